@@ -1,0 +1,74 @@
+# The only ways this project makes a target. Every target gets the same language level,
+# warnings and sanitizers, so no folder's CMakeLists.txt repeats or weakens them.
+
+include(GoogleTest)
+
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+option(WINDHOVER_SANITIZE "Build everything with address and undefined-behaviour sanitizers" OFF)
+
+add_library(windhover_flags INTERFACE)
+target_compile_features(windhover_flags INTERFACE cxx_std_20)
+target_include_directories(windhover_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(windhover_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  -Wold-style-cast -Wcast-qual -Wlogical-op -Wduplicated-cond
+  -Wno-maybe-uninitialized  # g++ 12 falsely dings Eigen expressions.
+  -ffp-contract=off)        # The same bits on every x86-64, with or without FMA.
+if(WINDHOVER_SANITIZE)
+  target_compile_options(windhover_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all)
+  target_compile_definitions(windhover_flags INTERFACE EIGEN_INITIALIZE_MATRICES_BY_NAN)
+  target_link_options(windhover_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+# windhover_library(camera SOURCES a.cc ... USES windhover::common Eigen3::Eigen ...)
+# Always name what you use with `::`, so that a misspelt target stops the configure step
+# instead of becoming a linker flag.
+function(windhover_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;USES")
+  add_library(windhover_${name} STATIC ${arg_SOURCES})
+  add_library(windhover::${name} ALIAS windhover_${name})
+  target_link_libraries(windhover_${name} PUBLIC windhover_flags ${arg_USES})
+endfunction()
+
+# windhover_header_library(camera USES ...): a folder of headers only.
+function(windhover_header_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "USES")
+  add_library(windhover_${name} INTERFACE)
+  add_library(windhover::${name} ALIAS windhover_${name})
+  target_link_libraries(windhover_${name} INTERFACE windhover_flags ${arg_USES})
+endfunction()
+
+# windhover_program(windhover-estimator SOURCES estimator_main.cc USES windhover::estimator)
+# Also registers `NAME --help` as a test, so a program that cannot start fails CI.
+function(windhover_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;USES")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE windhover_flags ${arg_USES})
+  add_test(NAME smoke.${name}.help COMMAND ${name} --help)
+endfunction()
+
+# windhover_test(camera/camera_model_test USES windhover::camera)
+# Builds tests/camera/camera_model_test.cc and registers each TEST in it. There is no
+# other way to make a test, so a test that compiles is a test that runs. RUN_SERIAL keeps
+# it from running beside others.
+function(windhover_test path)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "RUN_SERIAL" "TIMEOUT" "USES")
+  string(REPLACE "/" "." name ${path})
+  add_executable(${name} ${path}.cc)
+  target_link_libraries(${name} PRIVATE windhover_flags ${arg_USES} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE
+    WINDHOVER_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    WINDHOVER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
+    WINDHOVER_REAL_INPUTS_DIR="${PROJECT_SOURCE_DIR}/../shared/real-inputs")
+  set_target_properties(${name} PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  set(properties TIMEOUT ${arg_TIMEOUT})
+  if(arg_RUN_SERIAL)
+    list(APPEND properties RUN_SERIAL ON)
+  endif()
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+endfunction()

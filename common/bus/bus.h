@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace windhover {
+
+/// Bytes of one received message. Valid only inside the handler.
+using MessageBytes = std::span<const std::uint8_t>;
+
+/// How a message of type M is laid out, checked before lcm-gen's decoder may see its bytes.
+/// Specialised for each of our messages by the generated "lcmtypes/layouts.h".
+template <typename Message>
+struct MessageLayout;
+
+/// What went over one channel, as this process saw it.
+struct ChannelCount {
+  std::int64_t sent = 0;
+  std::int64_t received = 0;
+  std::int64_t rejected = 0;  ///< Failed the bounded check; never reached a handler.
+};
+
+/// The one way processes talk: typed publish and subscribe over LCM.
+///
+/// A handler runs inside Handle(), on the caller's thread, so no process needs a lock. An
+/// exception thrown by a handler comes out of Handle(); it never crosses LCM's C frames.
+class Bus {
+ public:
+  /// `url` is an LCM provider: "tcpq://127.0.0.1:PORT" (windhover-hub), "udpm://…?ttl=0", or
+  /// "memq://" inside one process.
+  /// @throws std::runtime_error if it cannot be opened; says what to do about it.
+  explicit Bus(const std::string& url);
+  ~Bus();
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  /// Encodes and sends. Array members are checked against their counts first.
+  /// @throws std::runtime_error naming the channel if it cannot be sent.
+  template <typename Message>
+  void Publish(const std::string& channel, const Message& message);
+
+  /// `handler` is called with every well-formed Message on exactly `channel`. A malformed one is
+  /// counted and makes Handle() throw with channel, type and reason.
+  template <typename Message>
+  void Subscribe(const std::string& channel, std::function<void(const Message&)> handler);
+
+  void PublishBytes(const std::string& channel, MessageBytes bytes);
+  /// `handler` gets the raw bytes of every message on exactly `channel`.
+  void SubscribeBytes(const std::string& channel,
+                      std::function<void(const std::string& channel, MessageBytes)> handler);
+
+  /// Waits up to `timeout_ms` for messages and runs their handlers; true if any came.
+  /// @throws what a handler threw; std::runtime_error if the bus is gone (the hub died).
+  bool Handle(int timeout_ms);
+
+  /// Exact names of the channels subscribed to, in order of subscription.
+  const std::vector<std::string>& Subscriptions() const;
+  const std::map<std::string, ChannelCount>& Counts() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace windhover

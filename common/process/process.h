@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace windhover {
+
+/// Which aircraft a process serves when several share the work: every `count`-th, from `index`.
+struct ProcessShare {
+  int index = 0;
+  int count = 1;
+
+  /// `position`: of the aircraft in the scenario's list sorted by id.
+  bool Owns(int position) const { return position % count == index; }
+};
+
+/// What every process of a run is told on its command line.
+struct ProcessArgs {
+  std::string scenario_file;  ///< resolved.yaml of the run.
+  std::string url;            ///< LCM provider; default LCM_DEFAULT_URL.
+  std::string run_dir;
+  std::int64_t run_id = 0;
+  ProcessShare share;
+  int threads = 1;
+  std::string record = "none";  ///< none | jpeg | raw
+  bool preview = false;
+};
+
+/// The body of every process's main(): parses the arguments, runs `body`, turns an exception
+/// into one line on stderr and an exit status (2 wrong usage or input, 3 anything else).
+int RunProcess(const std::string& name, const std::string& purpose, int argc, char** argv,
+               const std::function<void(const ProcessArgs&)>& body);
+
+/// True once SIGINT or SIGTERM has arrived; loops run `while (!StopRequested())`.
+bool StopRequested();
+
+}  // namespace windhover

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "camera/stereo_rig.h"
+#include "common/config/fields.h"
+
+namespace windhover {
+
+/// What the estimator is given of each frame.
+enum class Observe { kTruth, kGeometric, kAnnotated, kImage };
+template <>
+inline constexpr EnumNames<Observe> kEnumNames<Observe>{{Observe::kTruth, "truth"},
+                                                        {Observe::kGeometric, "geometric"},
+                                                        {Observe::kAnnotated, "annotated"},
+                                                        {Observe::kImage, "image"}};
+
+/// Who moves an aircraft: sim (hold, trajectory, waypoints) or its swarm node (follow).
+enum class Controller { kHold, kTrajectory, kWaypoints, kFollow };
+template <>
+inline constexpr EnumNames<Controller> kEnumNames<Controller>{
+    {Controller::kHold, "hold"},
+    {Controller::kTrajectory, "trajectory"},
+    {Controller::kWaypoints, "waypoints"},
+    {Controller::kFollow, "follow"}};
+
+/// The stereo rig as calibrated: what its owner believes. The rig that render/ uses differs by
+/// the scenario's misalignment, vibration and flex.
+struct CalibratedRig {
+  double baseline_m = 0.406;
+  double focal_mm = 12;
+  double pixel_um = 3.7325;
+  std::array<int, 2> image = {1280, 720};
+
+  /// Brown-Conrady with OpenCV's five terms, in OpenCV's meaning.
+  struct Distortion {
+    double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+
+    template <typename Visitor>
+    void Fields(Visitor& v) {
+      v.Field("k1", k1, InRange{-2, 2}, "first radial term");
+      v.Field("k2", k2, InRange{-20, 20}, "second radial term");
+      v.Field("p1", p1, InRange{-0.1, 0.1}, "first tangential term");
+      v.Field("p2", p2, InRange{-0.1, 0.1}, "second tangential term");
+      v.Field("k3", k3, InRange{-200, 200}, "third radial term");
+    }
+  };
+  Distortion distortion;
+
+  /// Where the rig sits on the aircraft: X_BR.
+  struct Mount {
+    std::array<double, 3> position_m = {0.15, 0, 0};
+    double pitch_deg = 0;
+
+    template <typename Visitor>
+    void Fields(Visitor& v) {
+      v.Field("position_m", position_m, InRange{-2, 2},
+              "middle of the baseline in the body frame (forward, left, up)");
+      v.Field("pitch_deg", pitch_deg, InRange{-90, 90}, "upward tilt of the optical axis");
+    }
+  };
+  Mount mount;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("baseline_m", baseline_m, InRange{0.01, 10}, "distance between the optical centres");
+    v.Field("focal_mm", focal_mm, InRange{1, 500}, "focal length of both lenses");
+    v.Field("pixel_um", pixel_um, InRange{0.5, 50}, "pixel pitch of both sensors");
+    v.Field("image", image, InRange{16, 8192}, "width and height of an image, px");
+    v.Section("distortion", distortion, "lens distortion of both cameras (OpenCV's five terms)");
+    v.Section("mount", mount, "where the rig sits on the aircraft");
+  }
+
+  double FocalPx() const { return focal_mm * 1e3 / pixel_um; }
+  StereoRig ToStereoRig() const;
+};
+
+struct EstimatorConfig {
+  std::string detector = "classical";
+  std::vector<std::string> methods = {"baseline"};
+  std::string in_loop = "baseline";  ///< The method that swarm flies on; one of `methods`.
+  double offset1_px = 0;
+  double target_width_m = 0.887;
+  double disparity_sigma_px = 1;
+  double size_sigma = 0.1;
+
+  template <typename Visitor>
+  void Fields(Visitor& v);
+};
+
+struct FollowConfig {
+  double distance_m = 10;
+  double gain_per_s = 0.8;
+  double max_speed_mps = 5;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("distance_m", distance_m, InRange{1, 1000}, "distance to keep from the target");
+    v.Field("gain_per_s", gain_per_s, InRange{0, 10}, "speed per metre of distance error");
+    v.Field("max_speed_mps", max_speed_mps, InRange{0, 50}, "largest commanded speed");
+  }
+};
+
+/// One aircraft, as it may know itself.
+struct AircraftSelf {
+  int id = 0;
+  bool carries_rig = false;
+  Controller controller = Controller::kHold;
+  FollowConfig follow;
+};
+
+/// All that estimator/ and swarm/ may know of a scenario; the rest is ground truth.
+struct AircraftConfig {
+  double frame_rate_hz = 10;
+  Observe observe = Observe::kGeometric;
+  CalibratedRig rig;
+  EstimatorConfig estimator;
+  std::vector<AircraftSelf> aircraft;  ///< Sorted by id.
+};
+
+/// Reads the whole scenario file, so that every error in it is reported, and returns only what
+/// an aircraft may know.
+/// @throws ConfigError listing every problem in the file.
+AircraftConfig LoadAircraftConfig(const std::filesystem::path& file);
+
+template <typename Visitor>
+void EstimatorConfig::Fields(Visitor& v) {
+  v.Field("detector", detector, OneOf{{"classical"}}, "finds aircraft in images (observe: image)");
+  v.Field("methods", methods, ItemsOneOf{{"baseline", "offset1", "size"}},
+          "distance estimators, all run on the same frames");
+  v.Field("in_loop", in_loop, OneOf{{"baseline", "offset1", "size"}},
+          "the method the swarm flies on");
+  v.Field("offset1_px", offset1_px, InRange{-1000, 1000},
+          "disparity that offset1 takes away: measured minus true, from a calibration flight");
+  v.Field("target_width_m", target_width_m, InRange{0.01, 100}, "width that size assumes");
+  v.Field("disparity_sigma_px", disparity_sigma_px, InRange{0, 100},
+          "standard deviation of a detected disparity");
+  v.Field("size_sigma", size_sigma, InRange{0, 1}, "relative standard deviation of a box width");
+}
+
+}  // namespace windhover

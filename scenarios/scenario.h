@@ -1,0 +1,332 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/config/fields.h"
+#include "rig/flex.h"
+#include "rig/misalignment.h"
+#include "rig/vibration.h"
+#include "scenarios/aircraft_config.h"
+
+namespace windhover {
+
+struct RigConfig {
+  CalibratedRig calibrated;
+  Misalignment misalignment;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    calibrated.Fields(v);
+    v.Section("misalignment", misalignment, "how the true rig differs from the calibrated one");
+  }
+};
+
+struct ExposureConfig {
+  double duration_ms = 2;
+  double max_blur_px = 0.5;
+  int max_samples = 16;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("duration_ms", duration_ms, InRange{0.001, 1000}, "exposure time of both cameras");
+    v.Field("max_blur_px", max_blur_px, InRange{0.01, 100},
+            "image motion that one sub-exposure may hide");
+    v.Field("max_samples", max_samples, InRange{1, 256}, "most sub-exposures of a frame");
+  }
+};
+
+/// Photons to bytes: shot and read noise in linear light, then the transfer curve.
+struct SensorConfig {
+  bool noise = true;
+  double full_well_e = 10000;
+  double read_noise_e = 8;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("noise", noise, AnyBool{}, "whether images are noisy");
+    v.Field("full_well_e", full_well_e, InRange{100, 1e6}, "electrons at white");
+    v.Field("read_noise_e", read_noise_e, InRange{0, 1000}, "read noise, electrons rms");
+  }
+};
+
+/// A recorded or prescribed path: TUM (t x y z qx qy qz qw) or EuRoC (CSV, ns, qw first).
+struct TrajectoryConfig {
+  InputFile file;
+  double scale = 1;
+  std::array<double, 3> offset_m = {0, 0, 0};
+  double yaw_deg = 0;
+  double start_s = 0;
+  double speed = 1;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("file", file, MayBeEmpty{}, "path in TUM or EuRoC format");
+    v.Field("scale", scale, InRange{1e-6, 1e6}, "factor on positions");
+    v.Field("offset_m", offset_m, InRange{-1e6, 1e6}, "added after scaling and turning");
+    v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "turn of the whole path about W's z");
+    v.Field("start_s", start_s, InRange{0, 1e9}, "where in the recording the run starts");
+    v.Field("speed", speed, InRange{1e-3, 1e3}, "recorded seconds per simulated second");
+  }
+};
+
+struct Waypoint {
+  double time_s = 0;
+  std::array<double, 3> position_m = {0, 0, 0};
+  double yaw_deg = 0;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("time_s", time_s, InRange{0, 1e6}, "when to be there");
+    v.Field("position_m", position_m, InRange{-1e5, 1e5}, "east, north, up");
+    v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "heading, 0 is east");
+  }
+};
+
+/// A mesh that is not ours: any file that assimp reads.
+struct MeshConfig {
+  InputFile file;
+  double scale = 1;
+  std::array<double, 3> rotation_deg = {0, 0, 0};
+  std::array<double, 3> offset_m = {0, 0, 0};
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("file", file, MayBeEmpty{}, "mesh file");
+    v.Field("scale", scale, InRange{1e-6, 1e6}, "factor to metres");
+    v.Field("rotation_deg", rotation_deg, InRange{-360, 360},
+            "roll, pitch, yaw (applied in this order) to forward-left-up");
+    v.Field("offset_m", offset_m, InRange{-1e3, 1e3},
+            "added after turning; the body frame's origin is the target's centre");
+  }
+};
+
+enum class AircraftType { kM200Orange, kM200Black, kP600, kMesh };
+template <>
+inline constexpr EnumNames<AircraftType> kEnumNames<AircraftType>{
+    {AircraftType::kM200Orange, "m200_orange"},
+    {AircraftType::kM200Black, "m200_black"},
+    {AircraftType::kP600, "p600"},
+    {AircraftType::kMesh, "mesh"}};
+
+struct Aircraft {
+  AircraftSelf self;  ///< id, carries_rig, controller, follow.
+  AircraftType type = AircraftType::kM200Orange;
+  MeshConfig mesh;
+  std::array<double, 3> position_m = {0, 0, 0};
+  double yaw_deg = 0;
+  TrajectoryConfig trajectory;
+  std::vector<Waypoint> waypoints;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("id", self.id, InRange{0, 999}, "number of the aircraft, used in channel names");
+    v.Field("type", type, AnyEnum{}, "what it looks like");
+    v.Section("mesh", mesh, "type: mesh");
+    v.Field("carries_rig", self.carries_rig, AnyBool{}, "whether it carries the stereo rig");
+    v.Field("controller", self.controller, AnyEnum{}, "who moves it");
+    v.Field("position_m", position_m, InRange{-1e5, 1e5}, "start: east, north, up");
+    v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "start: heading, 0 is east");
+    v.Section("trajectory", trajectory, "controller: trajectory");
+    v.List("waypoints", waypoints, "controller: waypoints, in order of time");
+    v.Section("follow", self.follow, "controller: follow");
+  }
+};
+
+struct UwbConfig {
+  double sigma_m = 0.05;
+  double bias_m = 0;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("sigma_m", sigma_m, InRange{0, 100}, "standard deviation of a range");
+    v.Field("bias_m", bias_m, InRange{-100, 100}, "error common to all ranges");
+  }
+};
+
+struct NavConfig {
+  double position_sigma_m = 0.02;
+  double velocity_sigma_mps = 0.02;
+  double attitude_sigma_deg = 0.1;
+  double imu_rate_hz = 200;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("position_sigma_m", position_sigma_m, InRange{0, 100}, "noise of the own position");
+    v.Field("velocity_sigma_mps", velocity_sigma_mps, InRange{0, 100}, "noise of the own velocity");
+    v.Field("attitude_sigma_deg", attitude_sigma_deg, InRange{0, 45}, "noise of the own attitude");
+    v.Field("imu_rate_hz", imu_rate_hz, InRange{0, 10000}, "IMU samples per second; 0: no IMU");
+  }
+};
+
+enum class EnvironmentType {
+  kPlayground,
+  kForest,
+  kBuildings,
+  kBasketballCourt,
+  kPanorama,
+  kPhoto
+};
+template <>
+inline constexpr EnumNames<EnvironmentType> kEnumNames<EnvironmentType>{
+    {EnvironmentType::kPlayground, "playground"},
+    {EnvironmentType::kForest, "forest"},
+    {EnvironmentType::kBuildings, "buildings"},
+    {EnvironmentType::kBasketballCourt, "basketball_court"},
+    {EnvironmentType::kPanorama, "panorama"},
+    {EnvironmentType::kPhoto, "photo"}};
+
+struct EnvironmentConfig {
+  EnvironmentType type = EnvironmentType::kPlayground;
+  InputFile file;
+  double yaw_deg = 0;
+  double photo_width_deg = 60;
+  double brightness = 1;
+  double sun_azimuth_deg = 120;
+  double sun_elevation_deg = 50;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("type", type, AnyEnum{}, "what surrounds the aircraft, parallax-free");
+    v.Field("file", file, MayBeEmpty{}, "image of type panorama (equirectangular) or photo");
+    v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "turn about W's z");
+    v.Field("photo_width_deg", photo_width_deg, InRange{1, 170},
+            "photo: horizontal angle that it fills, centred east (plus yaw_deg)");
+    v.Field("brightness", brightness, InRange{0.01, 100}, "factor on all light");
+    v.Field("sun_azimuth_deg", sun_azimuth_deg, InRange{-360, 360}, "0 is east, 90 north");
+    v.Field("sun_elevation_deg", sun_elevation_deg, InRange{-90, 90}, "above the horizon");
+  }
+};
+
+/// Noise of the boxes in `observe: geometric`.
+struct GeometricConfig {
+  double sigma_px = 1;
+  double sigma_relative = 0.01;
+  double correlation = 0.5;
+  double miss_rate = 0;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("sigma_px", sigma_px, InRange{0, 100}, "noise of a box's centre and size");
+    v.Field("sigma_relative", sigma_relative, InRange{0, 1}, "the same, per px of box size");
+    v.Field("correlation", correlation, InRange{-1, 1}, "of the left and right noise");
+    v.Field("miss_rate", miss_rate, InRange{0, 1}, "share of frames without a detection");
+  }
+};
+
+enum class ScoreReference { kRange, kDepth, kUwb };
+template <>
+inline constexpr EnumNames<ScoreReference> kEnumNames<ScoreReference>{
+    {ScoreReference::kRange, "range"},
+    {ScoreReference::kDepth, "depth"},
+    {ScoreReference::kUwb, "uwb"}};
+
+struct ScoreConfig {
+  ScoreReference reference = ScoreReference::kRange;
+  double near_miss_m = 1.5;
+  double collision_m = 0.6;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("reference", reference, AnyEnum{}, "the distance that estimates are held against");
+    v.Field("near_miss_m", near_miss_m, InRange{0, 100}, "separation that counts as a near miss");
+    v.Field("collision_m", collision_m, InRange{0, 100}, "separation that counts as a collision");
+  }
+};
+
+/// One gate: a metric of score.json, by path, and what it must be.
+struct Expectation {
+  std::string metric;
+  double max = kUnset, min = kUnset, upper95 = kUnset, lower95 = kUnset;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("metric", metric, NotEmpty{}, "path in score.json: methods.baseline.abs_rel_all");
+    v.Field("max", max, Optional{}, "largest value that passes");
+    v.Field("min", min, Optional{}, "smallest value that passes");
+    v.Field("upper95", upper95, Optional{}, "the 95 % interval must end below this");
+    v.Field("lower95", lower95, Optional{}, "the 95 % interval must begin above this");
+  }
+};
+
+/// How a run is spread over processes. Has no influence on its results, nor on its log.
+struct ExecutionConfig {
+  int render_processes = 1;
+  int estimator_processes = 1;
+  int swarm_processes = 1;
+  double deadline_s = 10;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("render_processes", render_processes, InRange{1, 64}, "render processes to start");
+    v.Field("estimator_processes", estimator_processes, InRange{1, 64},
+            "estimator processes to start");
+    v.Field("swarm_processes", swarm_processes, InRange{1, 64}, "swarm processes to start");
+    v.Field("deadline_s", deadline_s, InRange{0.1, 3600},
+            "wall-clock time a tick may take before the run is INVALID");
+  }
+};
+
+/// One run of the simulator, as written in scenarios/*.yaml (after `extends` and --set).
+struct Scenario {
+  std::string description;
+  std::uint64_t random_seed = 1;
+  double duration_s = 20;
+  double frame_rate_hz = 10;
+  Observe observe = Observe::kGeometric;
+  RigConfig rig;
+  FlexConfig flex;
+  VibrationConfig vibration;
+  ExposureConfig exposure;
+  SensorConfig sensor;
+  NavConfig nav;
+  UwbConfig uwb;
+  std::vector<Aircraft> aircraft;  ///< Sorted by id, at least one.
+  EnvironmentConfig environment;
+  GeometricConfig geometric;
+  EstimatorConfig estimator;
+  ScoreConfig score;
+  std::vector<Expectation> expect;
+  ExecutionConfig execution;
+
+  template <typename Visitor>
+  void Fields(Visitor& v) {
+    v.Field("description", description, NotEmpty{}, "one sentence: what this scenario is for");
+    v.Field("random_seed", random_seed, InRange{0, 9e15}, "seed of every random stream");
+    v.Field("duration_s", duration_s, InRange{1e-3, 1e5}, "simulated time of the run");
+    v.Field("frame_rate_hz", frame_rate_hz, InRange{0.1, 1000}, "stereo frames per second");
+    v.Field("observe", observe, AnyEnum{}, "what the estimator gets of each frame");
+    v.Section("rig", rig, "the stereo rig");
+    v.Section("flex", flex, "bending of the bar between the cameras");
+    v.Section("vibration", vibration, "vibration at the root of the bar");
+    v.Section("exposure", exposure, "shutter of both cameras");
+    v.Section("sensor", sensor, "from light to bytes");
+    v.Section("nav", nav, "what an aircraft's own navigation reports");
+    v.Section("uwb", uwb, "UWB ranging between aircraft");
+    v.List("aircraft", aircraft, "every aircraft");
+    v.Section("environment", environment, "surroundings and light");
+    v.Section("geometric", geometric, "boxes of observe: geometric");
+    v.Section("estimator", estimator, "detection and distance estimation");
+    v.Section("score", score, "how the run is scored");
+    v.List("expect", expect, "gates: the run passes when all hold");
+    v.Section("execution", execution, "how the run is spread over processes");
+  }
+
+  AircraftConfig ForAircraft() const;
+};
+
+/// Reads a scenario file, follows `extends`, applies `overrides` ("a.b=c"), checks it all.
+/// @throws ConfigError listing every problem, each as file:line:col: key.path: ….
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides = {});
+
+/// How the names of input files are written.
+enum class PathStyle { kAsGiven, kAbsolute };
+
+/// The scenario as YAML, every key with its value; LoadScenario reads it back unchanged.
+std::string ResolvedYaml(const Scenario& scenario, PathStyle style);
+
+}  // namespace windhover
