@@ -48,14 +48,15 @@ function(windhover_program name)
   add_test(NAME smoke.${name}.help COMMAND ${name} --help)
 endfunction()
 
-# windhover_test(camera/camera_model_test USES windhover::camera)
-# Builds tests/camera/camera_model_test.cc and registers each TEST in it. There is no
-# other way to make a test, so a test that compiles is a test that runs. RUN_SERIAL keeps
-# it from running beside others.
-function(windhover_test path)
+# windhover_test(camera_model_test USES windhover::camera), in tests/camera/CMakeLists.txt:
+# builds camera_model_test.cc and registers each TEST in it as camera.camera_model_test.*. There
+# is no other way to make a test, so a test that compiles is a test that runs. RUN_SERIAL keeps
+# it from running beside others; TIMEOUT (s) replaces the usual 120.
+function(windhover_test file)
   cmake_parse_arguments(PARSE_ARGV 1 arg "RUN_SERIAL" "TIMEOUT" "USES")
-  string(REPLACE "/" "." name ${path})
-  add_executable(${name} ${path}.cc)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REPLACE "/" "." name ${folder}.${file})
+  add_executable(${name} ${file}.cc)
   target_link_libraries(${name} PRIVATE windhover_flags ${arg_USES} GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE
     WINDHOVER_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
