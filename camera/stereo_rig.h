@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Geometry>
 
 #include "camera/pinhole_radtan.h"
@@ -19,6 +21,9 @@ struct StereoRig {
 struct PosedCamera {
   PinholeRadtan camera;
   Eigen::Isometry3d X_RC;
+
+  /// Returns the pixel that sees a point of the rig frame, or nothing if none does.
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_RQ_m) const;
 };
 
 struct PosedStereoRig {
@@ -27,6 +32,15 @@ struct PosedStereoRig {
 
 /// The rig as its calibration says: parallel axes, half a baseline to each side.
 PosedStereoRig Posed(const StereoRig& rig);
+
+/// Where both cameras see one point.
+struct StereoPixels {
+  Eigen::Vector2d left_px, right_px;
+};
+
+/// The pixels that see the point `p_RQ_m`; the inverse of Triangulate when `rig` is Posed().
+/// @return nothing if either camera does not see it. Image borders are not considered.
+std::optional<StereoPixels> Project(const PosedStereoRig& rig, const Eigen::Vector3d& p_RQ_m);
 
 /// A point triangulated in the rig frame R, with its uncertainty along the ray.
 struct TriangulatedPoint {
@@ -37,7 +51,8 @@ struct TriangulatedPoint {
 };
 
 /// Where rays through `left_px` and `right_px` meet: depth = f · baseline / d with the
-/// disparity d = f (x_L - x_R) of undistorted image coordinates; range = |p_RT|.
+/// disparity d = f (x_L - x_R) of undistorted image coordinates and f that of the left camera;
+/// range = |p_RT|. Rays that pass each other vertically meet at the middle of both y.
 ///
 /// The uncertainty is first order, sigma_Z = Z² / (f · baseline) · disparity_sigma_px, so it grows
 /// with the square of distance. Source: D. Gallup et al., "Variable Baseline/Resolution

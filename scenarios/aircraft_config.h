@@ -75,7 +75,12 @@ struct CalibratedRig {
   }
 
   double FocalPx() const { return focal_mm * 1e3 / pixel_um; }
+
+  /// Both cameras alike, with the principal point at the image's centre.
   StereoRig ToStereoRig() const;
+
+  /// The mount as a transform from the rig frame R to the body frame B.
+  Eigen::Isometry3d X_BR() const;
 };
 
 struct EstimatorConfig {

@@ -1,0 +1,34 @@
+#include "scenarios/aircraft_config.h"
+
+#include "common/geometry/rotation.h"
+
+namespace windhover {
+
+StereoRig CalibratedRig::ToStereoRig() const {
+  const double focal_px = FocalPx();
+  const PinholeRadtan camera{.fx_px = focal_px,
+                             .fy_px = focal_px,
+                             .cx_px = (image[0] - 1) / 2.0,
+                             .cy_px = (image[1] - 1) / 2.0,
+                             .k1 = distortion.k1,
+                             .k2 = distortion.k2,
+                             .p1 = distortion.p1,
+                             .p2 = distortion.p2,
+                             .k3 = distortion.k3};
+  return {.left = camera,
+          .right = camera,
+          .baseline_m = baseline_m,
+          .width_px = image[0],
+          .height_px = image[1]};
+}
+
+Eigen::Isometry3d CalibratedRig::X_BR() const {
+  Eigen::Isometry3d X_BR = Eigen::Isometry3d::Identity();
+  X_BR.translation() = Eigen::Vector3d(mount.position_m.data());
+  // A positive turn about the camera's x axis (right) raises its optical axis.
+  X_BR.linear() =
+      R_BC_Forward() * RotationFromVector(Eigen::Vector3d(RadFromDeg(mount.pitch_deg), 0, 0));
+  return X_BR;
+}
+
+}  // namespace windhover
