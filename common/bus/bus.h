@@ -4,21 +4,13 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/bus/codec.h"
+
 namespace windhover {
-
-/// Bytes of one received message. Valid only inside the handler.
-using MessageBytes = std::span<const std::uint8_t>;
-
-/// How a message of type M is laid out, checked before lcm-gen's decoder may see its bytes.
-/// Specialised for each of our messages by the generated "lcmtypes/layouts.h".
-template <typename Message>
-struct MessageLayout;
 
 /// What went over one channel, as this process saw it.
 struct ChannelCount {
@@ -51,14 +43,21 @@ class Bus {
   template <typename Message>
   void Subscribe(const std::string& channel, std::function<void(const Message&)> handler);
 
+  /// @throws std::runtime_error if the message cannot be sent.
   void PublishBytes(const std::string& channel, MessageBytes bytes);
   /// `handler` gets the raw bytes of every message on exactly `channel`.
   void SubscribeBytes(const std::string& channel,
                       std::function<void(const std::string& channel, MessageBytes)> handler);
 
-  /// Waits up to `timeout_ms` for messages and runs their handlers; true if any came.
+  /// Waits up to `timeout_ms` for a message and runs its handlers; true if one came.
   /// @throws what a handler threw; std::runtime_error if the bus is gone (the hub died).
   bool Handle(int timeout_ms);
+
+  /// True on memq://, where nothing can arrive that has not been published already.
+  bool InProcess() const;
+
+  /// Datagrams that the kernel dropped at this process's sockets (udpm only, else 0).
+  std::int64_t DroppedByKernel() const;
 
   /// Exact names of the channels subscribed to, in order of subscription.
   const std::vector<std::string>& Subscriptions() const;
@@ -68,5 +67,17 @@ class Bus {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+template <typename Message>
+void Bus::Publish(const std::string& channel, const Message& message) {
+  PublishBytes(channel, Encode(message));
+}
+
+template <typename Message>
+void Bus::Subscribe(const std::string& channel, std::function<void(const Message&)> handler) {
+  SubscribeBytes(channel, [handler = std::move(handler)](const std::string&, MessageBytes bytes) {
+    handler(Decode<Message>(bytes));
+  });
+}
 
 }  // namespace windhover

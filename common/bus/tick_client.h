@@ -1,13 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "common/bus/bus.h"
+#include "common/process/stage_timer.h"
 #include "lcmtypes/tick_t.hpp"
 
 namespace windhover {
@@ -21,32 +22,66 @@ namespace windhover {
 /// processes.
 class TickClient {
  public:
-  /// `process` is this process's name ("render-0"). Says HELLO until the first tick.
-  TickClient(Bus& bus, std::string process);
+  /// `process` is this process's name ("render-0"); several may share one `bus`, which must
+  /// outlive them. `run_id` 0: take part in whatever run is heard first. A TICK of any other run
+  /// makes Handle() throw: two simulators share the bus.
+  TickClient(Bus& bus, std::string process, std::int64_t run_id = 0);
   ~TickClient();
   TickClient(const TickClient&) = delete;
 
   /// Every tick needs one Message on `channel` with the tick's utime; `*latest` holds it when
-  /// the tick is processed. Call before the first Handle().
+  /// the tick is processed. A message of an earlier tick, or a second one of this tick, is
+  /// ignored and counted. Call before the first Handle().
   template <typename Message>
   void Require(const std::string& channel, Message* latest);
 
-  /// Called once per tick (also the rehearsal), when all that is required has arrived.
+  /// Called once per tick, when all that is required has arrived. For the rehearsal
+  /// (PHASE_REHEARSAL) it publishes as ever but must leave no trace in any state.
   void OnTick(std::function<void(const tick_t&)> process);
 
   /// Publishes on the bus and counts the message into this tick's TICK_DONE.
   template <typename Message>
   void Publish(const std::string& channel, const Message& message);
 
-  /// Repeats HELLO while no tick has come; call between Handle()s.
+  /// Says HELLO every now and then while no tick has come; call between Handle()s, after all
+  /// subscriptions. A roll call of the sim is answered in any case.
   void Announce();
+
+  /// Where the process's time goes; published in STATUS_<process> at PHASE_END.
+  StageTimer& Timer();
 
   /// True after PHASE_END.
   bool Ended() const;
 
  private:
   struct Impl;
+
+  // `hold` decodes a message, calls Accept with its utime and keeps it if true; `deliver` hands
+  // over what is kept.
+  void RequireBytes(const std::string& channel,
+                    std::function<void(std::size_t requirement, MessageBytes)> hold,
+                    std::function<void()> deliver);
+  bool Accept(std::size_t requirement, std::int64_t utime);
+  void PublishCounted(const std::string& channel, MessageBytes bytes);
+
   std::unique_ptr<Impl> impl_;
 };
+
+template <typename Message>
+void TickClient::Require(const std::string& channel, Message* latest) {
+  auto held = std::make_shared<Message>();
+  RequireBytes(
+      channel,
+      [this, held](std::size_t requirement, MessageBytes bytes) {
+        Message message = Decode<Message>(bytes);
+        if (Accept(requirement, message.utime)) *held = std::move(message);
+      },
+      [held, latest] { *latest = std::move(*held); });
+}
+
+template <typename Message>
+void TickClient::Publish(const std::string& channel, const Message& message) {
+  PublishCounted(channel, Encode(message));
+}
 
 }  // namespace windhover

@@ -4,6 +4,10 @@
 #include <functional>
 #include <string>
 
+namespace CLI {
+class App;
+}
+
 namespace windhover {
 
 /// Which aircraft a process serves when several share the work: every `count`-th, from `index`.
@@ -27,10 +31,14 @@ struct ProcessArgs {
   bool preview = false;
 };
 
-/// The body of every process's main(): parses the arguments, runs `body`, turns an exception
-/// into one line on stderr and an exit status (2 wrong usage or input, 3 anything else).
+/// The body of the main() of every process of a run: parses the arguments, runs `body`, turns an
+/// exception into `name: error: …` on stderr and an exit status: 0 done, 2 wrong usage or input
+/// (ConfigError), 3 anything else, 130 interrupted.
 int RunProcess(const std::string& name, const std::string& purpose, int argc, char** argv,
                const std::function<void(const ProcessArgs&)>& body);
+
+/// The same for a program whose arguments are others: `app` describes them.
+int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
 /// True once SIGINT or SIGTERM has arrived; loops run `while (!StopRequested())`.
 bool StopRequested();

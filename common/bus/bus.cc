@@ -1,0 +1,131 @@
+#include "common/bus/bus.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <lcm/lcm.h>
+#include <poll.h>
+
+namespace windhover {
+namespace {
+
+// LCM takes a subscription as a regular expression, so a name may hold no character that means
+// something there.
+void RequirePlainName(const std::string& channel) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  if (!channel.empty() && channel.size() <= LCM_MAX_CHANNEL_NAME_LENGTH &&
+      std::all_of(channel.begin(), channel.end(), is_plain)) {
+    return;
+  }
+  throw std::runtime_error(fmt::format(
+      "bus: '{}' is not a channel name (1 to 63 letters, digits, '_' or '-')", channel));
+}
+
+}  // namespace
+
+struct Bus::Impl {
+  // One LCM subscription per channel, so that a message counts once however many read it.
+  struct Channel {
+    Impl* bus;
+    std::string name;
+    std::vector<std::function<void(const std::string&, MessageBytes)>> handlers;
+  };
+
+  // Called by LCM. Nothing may be thrown through its C frames: an exception waits in `error`.
+  static void OnMessage(const lcm_recv_buf_t* buffer, const char*, void* user) noexcept {
+    auto* channel = static_cast<Channel*>(user);
+    const auto* data = static_cast<const std::uint8_t*>(buffer->data);
+    channel->bus->Dispatch(*channel, MessageBytes(data, buffer->data_size));
+  }
+
+  void Dispatch(Channel& channel, MessageBytes bytes) noexcept {
+    ChannelCount& count = counts[channel.name];
+    ++count.received;
+    try {
+      // liblcm passes on a huge size for a datagram that is only a header.
+      if (bytes.size() > LCM_MAX_MESSAGE_SIZE) throw MalformedMessage("has an impossible size");
+      for (std::size_t i = 0; i < channel.handlers.size(); ++i) {
+        channel.handlers[i](channel.name, bytes);
+      }
+    } catch (const MalformedMessage& e) {
+      ++count.rejected;
+      error = std::make_exception_ptr(
+          std::runtime_error(fmt::format("bus: a message on {} is {}", channel.name, e.what())));
+    } catch (...) {
+      error = std::current_exception();
+    }
+  }
+
+  std::string url;
+  std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm{nullptr, lcm_destroy};
+  std::map<std::string, std::unique_ptr<Channel>> channels;
+  std::vector<std::string> subscriptions;
+  std::map<std::string, ChannelCount> counts;
+  std::exception_ptr error;
+};
+
+Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
+  impl_->url = url;
+  impl_->lcm.reset(lcm_create(url.c_str()));
+  if (!impl_->lcm || lcm_get_fileno(impl_->lcm.get()) < 0) {
+    throw std::runtime_error(fmt::format("bus: cannot open '{}'", url));
+  }
+}
+
+Bus::~Bus() = default;
+
+void Bus::PublishBytes(const std::string& channel, MessageBytes bytes) {
+  RequirePlainName(channel);
+  const auto size = static_cast<unsigned int>(bytes.size());
+  if (lcm_publish(impl_->lcm.get(), channel.c_str(), bytes.data(), size) != 0) {
+    throw std::runtime_error(fmt::format("bus: cannot publish on {} ({})", channel, impl_->url));
+  }
+  ++impl_->counts[channel].sent;
+}
+
+void Bus::SubscribeBytes(const std::string& channel,
+                         std::function<void(const std::string& channel, MessageBytes)> handler) {
+  RequirePlainName(channel);
+  std::unique_ptr<Impl::Channel>& entry = impl_->channels[channel];
+  if (!entry) {
+    entry = std::make_unique<Impl::Channel>(Impl::Channel{impl_.get(), channel, {}});
+    lcm_subscription_t* subscription =
+        lcm_subscribe(impl_->lcm.get(), channel.c_str(), &Impl::OnMessage, entry.get());
+    if (subscription == nullptr) {
+      throw std::runtime_error(fmt::format("bus: cannot subscribe to {}", channel));
+    }
+    lcm_subscription_set_queue_capacity(subscription, 0);  // LCM drops beyond 30 by default.
+    impl_->subscriptions.push_back(channel);
+  }
+  entry->handlers.push_back(std::move(handler));
+}
+
+bool Bus::Handle(int timeout_ms) {
+  // Not lcm_handle_timeout(): its select() aborts the process for a descriptor of -1 or >= 1024.
+  pollfd readable{.fd = lcm_get_fileno(impl_->lcm.get()), .events = POLLIN, .revents = 0};
+  const int n_ready = poll(&readable, 1, timeout_ms);
+  if (n_ready == 0 || (n_ready < 0 && errno == EINTR)) return false;
+  if (n_ready < 0) throw std::runtime_error(fmt::format("bus: poll: {}", std::strerror(errno)));
+  const int result = lcm_handle(impl_->lcm.get());
+  if (impl_->error) std::rethrow_exception(std::exchange(impl_->error, nullptr));
+  if (result < 0)
+    throw std::runtime_error(fmt::format("bus: receiving from {} failed", impl_->url));
+  return true;
+}
+
+bool Bus::InProcess() const { return impl_->url.starts_with("memq:"); }
+
+std::int64_t Bus::DroppedByKernel() const { return 0; }
+
+const std::vector<std::string>& Bus::Subscriptions() const { return impl_->subscriptions; }
+
+const std::map<std::string, ChannelCount>& Bus::Counts() const { return impl_->counts; }
+
+}  // namespace windhover

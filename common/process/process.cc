@@ -1,0 +1,86 @@
+#include "common/process/process.h"
+
+#include <charconv>
+#include <csignal>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/config/fields.h"
+
+namespace windhover {
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+enum ExitStatus { kDone = 0, kBadUsage = 2, kFailed = 3, kInterrupted = 130 };
+
+void CatchSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = 1; };  // No SA_RESTART: waiting calls return.
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // A closed socket is an error of the write, not of the process.
+}
+
+ProcessShare ShareFromText(const std::string& text) {
+  ProcessShare share;
+  const char* end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, share.index);
+  const bool has_count = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
+  const auto count = has_count ? std::from_chars(index.ptr + 1, end, share.count) : index;
+  if (has_count && count.ec == std::errc() && count.ptr == end && share.index >= 0 &&
+      share.index < share.count) {
+    return share;
+  }
+  throw CLI::ValidationError("--share", "must be i/n with 0 <= i < n (found '" + text + "')");
+}
+
+void AddProcessOptions(CLI::App& app, ProcessArgs* args) {
+  app.add_option("SCENARIO", args->scenario_file, "resolved scenario of the run")->required();
+  app.add_option("--lcm-url", args->url, "LCM provider of the run's bus")
+      ->envname("LCM_DEFAULT_URL")
+      ->required();
+  app.add_option("--run-dir", args->run_dir, "folder of the run");
+  app.add_option("--run-id", args->run_id, "nonce of the run; 0: the first one heard");
+  app.add_option_function<std::string>(
+      "--share", [args](const std::string& text) { args->share = ShareFromText(text); },
+      "i/n: serve every n-th aircraft, from the i-th");
+  app.add_option("--threads", args->threads, "threads to work with")->check(CLI::Range(1, 1024));
+  app.add_option("--record", args->record, "which pixels the log keeps")
+      ->check(CLI::IsMember({"none", "jpeg", "raw"}));
+  app.add_flag("--preview", args->preview, "also publish IMAGE_LEFT_<id> and IMAGE_RIGHT_<id>");
+}
+
+}  // namespace
+
+bool StopRequested() { return stop_requested != 0; }
+
+int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
+  CatchSignals();
+  try {
+    app.parse(argc, argv);
+    body();
+    return StopRequested() ? kInterrupted : kDone;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kDone : kBadUsage;
+  } catch (const ConfigError& e) {
+    fmt::print(stderr, "{}: error: {}\n", app.get_name(), e.what());
+    return kBadUsage;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}: error: {}\n", app.get_name(), e.what());
+    return kFailed;
+  }
+}
+
+int RunProcess(const std::string& name, const std::string& purpose, int argc, char** argv,
+               const std::function<void(const ProcessArgs&)>& body) {
+  ProcessArgs args;
+  CLI::App app(purpose, name);
+  AddProcessOptions(app, &args);
+  app.footer(fmt::format("Example: {} runs/x/resolved.yaml --lcm-url tcpq://127.0.0.1:7700", name));
+  return RunProgram(app, argc, argv, [&] { body(args); });
+}
+
+}  // namespace windhover

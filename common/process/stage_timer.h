@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace windhover {
+
+/// Adds up how long the stages of a process's work take. For the process's main thread only.
+///
+///     const StageTimer::Scope s = timer.Start("render");
+class StageTimer {
+ public:
+  struct Stage {
+    std::string name;
+    std::int64_t n = 0;
+    double wall_ms = 0;
+    double cpu_ms = 0;  ///< Of every thread of the process.
+  };
+
+  /// Counts from its construction to its destruction.
+  class Scope {
+   public:
+    Scope(StageTimer* timer, std::size_t stage);
+    ~Scope();
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    StageTimer* timer_;
+    std::size_t stage_;
+    std::chrono::steady_clock::time_point start_;
+    double start_cpu_ms_;
+  };
+
+  [[nodiscard]] Scope Start(const std::string& stage);
+
+  /// In the order in which they were first started.
+  const std::vector<Stage>& Stages() const { return stages_; }
+
+ private:
+  std::vector<Stage> stages_;
+};
+
+}  // namespace windhover
