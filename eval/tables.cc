@@ -1,0 +1,90 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "eval/enum_name.h"
+#include "eval/evaluation.h"
+#include "eval/text_file.h"
+
+namespace windhover {
+namespace {
+
+constexpr const char* kColumns =
+    "utime_us,observer,target,observe,detector,correction,detected,range_true_m,depth_true_m,"
+    "range_uwb_m,range_est_m,range_sigma_m,x_left_px,y_left_px,w_left_px,h_left_px,x_right_px,"
+    "y_right_px,w_right_px,h_right_px,stages,latency_us\n";
+
+/// The shortest text that reads back as the same number; empty for one that is none.
+std::string Cell(double number) { return std::isfinite(number) ? fmt::format("{}", number) : ""; }
+
+std::string Cells(const image_box_t& box) {
+  return fmt::format("{},{},{},{}", Cell(box.x_px), Cell(box.y_px), Cell(box.w_px), Cell(box.h_px));
+}
+
+std::string Row(const TargetFrame& frame, const std::string& observe, const std::string& method,
+                const std::optional<MethodEstimate>& estimate) {
+  std::string row = fmt::format("{},{},{},{},{},{},{},{},{},{},", frame.utime, frame.observer_id,
+                                frame.truth.target_id, observe, frame.detector, method,
+                                frame.box ? 1 : 0, Cell(frame.truth.range_m),
+                                Cell(frame.truth.depth_m), frame.uwb_m ? Cell(*frame.uwb_m) : "");
+  row += estimate ? fmt::format("{},{},", Cell(estimate->range_m), Cell(estimate->range_sigma_m))
+                  : ",,";
+  row += frame.box ? Cells(frame.box->left) + "," + Cells(frame.box->right) : ",,,,,,,";
+  // In lock-step an estimate carries the time of its frame: simulated latency is 0.
+  row += estimate ? fmt::format(",{},0\n", estimate->n_stages) : ",,\n";
+  return row;
+}
+
+std::string TestCase(const std::string& name, const std::string& failure) {
+  const std::string head =
+      fmt::format("  <testcase classname=\"windhover\" name=\"{}\"", XmlEscaped(name));
+  if (failure.empty()) return head + "/>\n";
+  return head +
+         fmt::format(">\n    <failure message=\"{}\"/>\n  </testcase>\n", XmlEscaped(failure));
+}
+
+std::string TestSuite(const std::string& name, const std::string& cases, std::size_t n_cases,
+                      std::size_t n_failures) {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\">\n{}</testsuite>\n",
+      XmlEscaped(name), n_cases, n_failures, cases);
+}
+
+}  // namespace
+
+void WriteScore(const Evaluation& evaluation, const std::filesystem::path& dir) {
+  WriteTextFile(dir / "score.json", evaluation.score.dump(2) + "\n");
+}
+
+void WriteEstimatesCsv(const Evaluation& evaluation, const std::filesystem::path& dir) {
+  const Scenario& scenario = evaluation.run.scenario;
+  const std::string observe = NameOf(scenario.observe);
+  std::string csv = kColumns;
+  for (const TargetFrame& frame : evaluation.targets.frames) {
+    for (std::size_t m = 0; m < frame.estimates.size(); ++m) {
+      csv += Row(frame, observe, scenario.estimator.methods[m], frame.estimates[m]);
+    }
+  }
+  WriteTextFile(dir / "estimates.csv", csv);
+}
+
+void WriteJunit(const Evaluation& evaluation, const std::filesystem::path& dir) {
+  const RunRecord& run = evaluation.run;
+  std::string cases =
+      TestCase("the run is valid", run.valid ? "" : "the run is INVALID: " + run.invalid_reason);
+  std::size_t n_failures = run.valid ? 0 : 1;
+  for (const GateResult& gate : evaluation.gates) {
+    cases += TestCase(gate.name, gate.message);
+    if (!gate.pass) ++n_failures;
+  }
+  WriteTextFile(dir / "junit.xml", TestSuite(run.scenario.description, cases,
+                                             evaluation.gates.size() + 1, n_failures));
+}
+
+void WriteJunitOfDeadRun(const std::string& reason, const std::filesystem::path& dir) {
+  const std::string failing = TestCase("the run is valid", "the run is INVALID: " + reason);
+  WriteTextFile(dir / "junit.xml", TestSuite("windhover", failing, 1, 1));
+}
+
+}  // namespace windhover

@@ -1,0 +1,69 @@
+#include "eval/swarm_metrics.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/eval/flight_fixture.h"
+
+namespace windhover {
+namespace {
+
+uav_truth_t Uav(int id, double x_m, double vx_mps = 0, double vy_mps = 0) {
+  uav_truth_t uav{};
+  uav.id = id;
+  uav.p_WB_m[0] = x_m;
+  uav.v_WB_mps[0] = vx_mps;
+  uav.v_WB_mps[1] = vy_mps;
+  return uav;
+}
+
+world_truth_t World(std::vector<uav_truth_t> uavs) {
+  world_truth_t world{};
+  world.n_uavs = static_cast<int>(uavs.size());
+  world.uavs = std::move(uavs);
+  return world;
+}
+
+TEST(SwarmMetrics, CountsEncountersOncePerApproach) {
+  // Limits 1.5 m (near miss) and 0.6 m (collision): in, stays, closer, out, in again.
+  std::vector<world_truth_t> world;
+  for (const double gap_m : {5.0, 1.4, 1.3, 0.5, 2.0, 1.0}) {
+    world.push_back(World({Uav(0, 0), Uav(1, gap_m)}));
+  }
+  const auto metrics = ComputeSwarmMetrics(world, {}, ScoreConfig{});
+  EXPECT_DOUBLE_EQ(*metrics.min_separation_m, 0.5);
+  EXPECT_EQ(metrics.collisions, 1);
+  EXPECT_EQ(metrics.near_misses, 2);
+}
+
+TEST(SwarmMetrics, OneAircraftHasNoSeparation) {
+  const std::vector<world_truth_t> world{World({Uav(0, 0, 3)})};
+  const auto metrics = ComputeSwarmMetrics(world, {}, ScoreConfig{});
+  EXPECT_FALSE(metrics.min_separation_m);
+  EXPECT_FALSE(metrics.collisions);
+  EXPECT_FALSE(metrics.order);
+  EXPECT_FALSE(metrics.connectivity);
+}
+
+TEST(SwarmMetrics, OrderIsOneInParallelFlightAndZeroHeadOn) {
+  const std::vector<world_truth_t> parallel{World({Uav(0, 0, 3), Uav(1, 9, 5)})};
+  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(parallel, {}, ScoreConfig{}).order, 1);
+  const std::vector<world_truth_t> head_on{World({Uav(0, 0, 3), Uav(1, 9, -5)})};
+  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(head_on, {}, ScoreConfig{}).order, 0);
+  const std::vector<world_truth_t> square{World({Uav(0, 0, 3), Uav(1, 9, 0, 3)})};
+  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(square, {}, ScoreConfig{}).order, std::sqrt(0.5));
+}
+
+TEST(SwarmMetrics, ConnectivityIsTheLargestGroupThatSeesEachOther) {
+  const std::vector<world_truth_t> world{World({Uav(0, 0), Uav(1, 9), Uav(2, 18), Uav(3, 27)})};
+  ObserverFrame sees_one = SeenFrame(0, TargetAhead(1, 9), 9);
+  ObserverFrame sees_two = SeenFrame(0, TargetAhead(2, 9), 9);
+  sees_two.observer_id = 1;
+  ObserverFrame blind = SeenFrame(100'000, TargetAhead(1, 9), 9);
+  blind.truth.targets[0].left.in_front = 0;
+  const std::vector<ObserverFrame> frames{sees_one, sees_two, blind};
+  // 0-1-2 are linked at first: 3 of 4; then nobody: 1 of 4.
+  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(world, frames, ScoreConfig{}).connectivity, 0.5);
+}
+
+}  // namespace
+}  // namespace windhover
