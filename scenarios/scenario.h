@@ -323,9 +323,6 @@ struct Scenario {
 Scenario LoadScenario(const std::filesystem::path& file,
                       const std::vector<std::string>& overrides = {});
 
-/// How the names of input files are written.
-enum class PathStyle { kAsGiven, kAbsolute };
-
 /// The scenario as YAML, every key with its value; LoadScenario reads it back unchanged.
 std::string ResolvedYaml(const Scenario& scenario, PathStyle style);
 

@@ -37,6 +37,9 @@ struct InputFile {
   bool empty() const { return as_given.empty(); }
 };
 
+/// How the names of input files are written.
+enum class PathStyle { kAsGiven, kAbsolute };
+
 /// The names of an enum in YAML; specialise kEnumNames for each enum.
 template <typename Enum>
 struct EnumNames {

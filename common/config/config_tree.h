@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/config/config_node.h"
+
+namespace windhover {
+
+/// Parses one YAML document. Text that is hostile (deep nesting, aliases that multiply, a file
+/// of gigabytes) ends in a ConfigError, not in a crash.
+/// @throws ConfigError `name:line:column: must be …` at the first syntax error.
+ConfigNode ParseYaml(const std::string& text, const ConfigSource& source);
+
+/// Reads a YAML file. A top-level `extends: other.yaml` (relative to the file that has it)
+/// takes everything from that file first; chains are allowed, circles are errors.
+/// @throws ConfigError if a file cannot be read or is not YAML.
+ConfigNode LoadConfigTree(const std::filesystem::path& file);
+
+/// Applies `--set a.b.c=value`, where `value` is YAML and a list index is a number. Messages
+/// call the place `--set:ORDINAL:COLUMN`; relative input files are taken from the current folder.
+/// @throws ConfigError if `assignment` has no `=`, or names an item a list does not have.
+void ApplyOverride(ConfigNode& root, const std::string& assignment, int ordinal);
+
+}  // namespace windhover

@@ -1,0 +1,12 @@
+#include "common/config/config_writer.h"
+
+namespace windhover {
+
+void ConfigWriter::Line(const std::string& key, const std::string& value) {
+  std::string indent(static_cast<std::size_t>(depth_) * 2, ' ');
+  if (starts_item_) indent.replace(indent.size() - 2, 2, "- ");
+  starts_item_ = false;
+  text_ += indent + key + ":" + (value.empty() ? "" : " " + value) + "\n";
+}
+
+}  // namespace windhover
