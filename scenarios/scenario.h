@@ -323,6 +323,11 @@ struct Scenario {
 Scenario LoadScenario(const std::filesystem::path& file,
                       const std::vector<std::string>& overrides = {});
 
+/// Reads what ResolvedYaml wrote, such as the header of a log, where the input files need no
+/// longer be. `name` stands for the text in messages.
+/// @throws ConfigError as LoadScenario.
+Scenario ScenarioFromYaml(const std::string& resolved_yaml, const std::string& name);
+
 /// The scenario as YAML, every key with its value; LoadScenario reads it back unchanged.
 std::string ResolvedYaml(const Scenario& scenario, PathStyle style);
 

@@ -17,7 +17,14 @@ void Findings::MustBe(const SourceLocation& where, const std::string& path, cons
 void Findings::Must(const SourceLocation& where, const std::string& path, const std::string& must,
                     const std::string& found) {
   findings_.push_back(
-      {where, fmt::format("{}: {}: must {} (found {})", where.ToString(), path, must, found)});
+      {where, path,
+       fmt::format("{}: {}: must {} (found {})", where.ToString(), path, must, found)});
+}
+
+bool Findings::Mention(const std::string& path) const {
+  return std::any_of(findings_.begin(), findings_.end(), [&](const Finding& finding) {
+    return finding.path == path || finding.path.starts_with(path + ".");
+  });
 }
 
 void Findings::ThrowIfAny() const {

@@ -17,6 +17,9 @@ class Findings {
   void Must(const SourceLocation& where, const std::string& path, const std::string& must,
             const std::string& found);
 
+  /// Whether something is wrong with `path`, or with a key inside it.
+  bool Mention(const std::string& path) const;
+
   bool empty() const { return findings_.empty(); }
 
   /// @throws ConfigError with one line for each finding, those of one file in its order.
@@ -25,7 +28,7 @@ class Findings {
  private:
   struct Finding {
     SourceLocation where;
-    std::string text;
+    std::string path, text;
   };
   std::vector<Finding> findings_;
 };

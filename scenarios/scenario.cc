@@ -1,0 +1,57 @@
+#include "scenarios/scenario.h"
+
+#include <algorithm>
+
+#include "common/config/config_reader.h"
+#include "common/config/config_tree.h"
+#include "common/config/config_writer.h"
+#include "scenarios/scenario_rules.h"
+
+namespace windhover {
+namespace {
+
+Scenario ReadScenario(const ConfigNode& root, InputFiles files) {
+  Scenario scenario;
+  Findings findings;
+  ReadConfig(root, scenario, findings);
+  CheckRules(scenario, root, files, findings);
+  findings.ThrowIfAny();
+  std::sort(scenario.aircraft.begin(), scenario.aircraft.end(),
+            [](const Aircraft& a, const Aircraft& b) { return a.self.id < b.self.id; });
+  return scenario;
+}
+
+}  // namespace
+
+AircraftConfig Scenario::ForAircraft() const {
+  AircraftConfig config{.frame_rate_hz = frame_rate_hz,
+                        .observe = observe,
+                        .rig = rig.calibrated,
+                        .estimator = estimator,
+                        .aircraft = {}};
+  for (const Aircraft& one : aircraft) config.aircraft.push_back(one.self);
+  return config;
+}
+
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides) {
+  ConfigNode root = LoadConfigTree(file);
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
+  }
+  return ReadScenario(root, InputFiles::kMustExist);
+}
+
+Scenario ScenarioFromYaml(const std::string& resolved_yaml, const std::string& name) {
+  return ReadScenario(ParseYaml(resolved_yaml, {name, {}}), InputFiles::kNotNeeded);
+}
+
+AircraftConfig LoadAircraftConfig(const std::filesystem::path& file) {
+  return LoadScenario(file).ForAircraft();
+}
+
+std::string ResolvedYaml(const Scenario& scenario, PathStyle style) {
+  return WriteConfig(scenario, style);
+}
+
+}  // namespace windhover

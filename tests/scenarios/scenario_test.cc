@@ -1,0 +1,158 @@
+#include "scenarios/scenario.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace windhover {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::string kValid = R"(description: two aircraft
+aircraft:
+  - {id: 5, controller: hold, position_m: [10, 0, 0]}
+  - {id: 2, type: p600, carries_rig: true}
+)";
+
+std::vector<std::string> ErrorsOf(const std::string& yaml,
+                                  const std::vector<std::string>& overrides = {}) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("s.yaml", yaml);
+  try {
+    LoadScenario(file, overrides);
+  } catch (const ConfigError& error) {
+    std::vector<std::string> lines;
+    std::istringstream in(error.what());
+    for (std::string line; std::getline(in, line);) {
+      const std::string name = folder.path().string() + "/";
+      for (auto at = line.find(name); at != std::string::npos; at = line.find(name)) {
+        line.erase(at, name.size());
+      }
+      lines.push_back(line);
+    }
+    return lines;
+  }
+  return {};
+}
+
+TEST(Scenario, AircraftAreSortedById) {
+  const TemporaryFolder folder;
+  const Scenario scenario = LoadScenario(folder.Write("s.yaml", kValid));
+  ASSERT_EQ(scenario.aircraft.size(), 2U);
+  EXPECT_EQ(scenario.aircraft[0].self.id, 2);
+  EXPECT_EQ(scenario.aircraft[1].self.id, 5);
+}
+
+TEST(Scenario, AircraftConfigHoldsOnlyWhatAnAircraftMayKnow) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("s.yaml", kValid + "rig: {misalignment: {offset_px: 70}}\n");
+  const AircraftConfig config = LoadAircraftConfig(file);
+  ASSERT_EQ(config.aircraft.size(), 2U);
+  EXPECT_EQ(config.aircraft[0].id, 2);
+  EXPECT_TRUE(config.aircraft[0].carries_rig);
+  EXPECT_EQ(config.rig.focal_mm, 12);
+}
+
+TEST(Scenario, ResolvedYamlReadsBackUnchanged) {
+  const TemporaryFolder folder;
+  folder.Write("presets/path.tum.txt", "0 0 0 0 0 0 0 1\n");
+  folder.Write("presets/p.yaml",
+               "aircraft: [{id: 1, controller: trajectory, carries_rig: true, "
+               "trajectory: {file: path.tum.txt, scale: 0.1}}]\n");
+  const auto file = folder.Write(
+      "s.yaml",
+      "extends: presets/p.yaml\ndescription: \"a: 'b' ü\"\nexpect: [{metric: x, max: 0.3}]\n");
+  const Scenario scenario = LoadScenario(file, {"random_seed=77", "rig.distortion.k1=-0.1"});
+  const std::string text = ResolvedYaml(scenario, PathStyle::kAbsolute);
+  EXPECT_THAT(text, HasSubstr((folder.path() / "presets/path.tum.txt").string()));
+  const Scenario again = LoadScenario(folder.Write("elsewhere/resolved.yaml", text));
+  EXPECT_EQ(ResolvedYaml(again, PathStyle::kAbsolute), text);
+  EXPECT_EQ(again.random_seed, 77U);
+  EXPECT_EQ(again.rig.calibrated.distortion.k1, -0.1);
+  // The copy in a log names its files as the author did and needs none of them.
+  const std::string as_given = ResolvedYaml(scenario, PathStyle::kAsGiven);
+  EXPECT_EQ(ResolvedYaml(ScenarioFromYaml(as_given, "log"), PathStyle::kAsGiven), as_given);
+}
+
+TEST(Scenario, ReportsTenMistakesAtOnce) {
+  EXPECT_THAT(ErrorsOf(R"(description: ""
+frame_rat_hz: 20
+duration_s: -1
+observe: pictures
+exposure: {duration_ms: 200}
+estimator: {methods: [baseline], in_loop: size}
+vibration: {source: recorded}
+environment: {type: photo, file: none.jpg}
+aircraft:
+  - {id: 1, controller: trajectory}
+  - {id: 1, position_m: [5, 0, 0]}
+)"),
+              ElementsAre(HasSubstr("s.yaml:1:14: description: must be text, not empty"),
+                          HasSubstr("s.yaml:2:1: frame_rat_hz: must be a known key; did you mean "
+                                    "'frame_rate_hz'?"),
+                          HasSubstr("s.yaml:3:13: duration_s: must be a number between"),
+                          HasSubstr("s.yaml:4:10: observe: must be one of truth, geometric, "
+                                    "annotated or image (found 'pictures')"),
+                          HasSubstr("s.yaml:5:25: exposure.duration_ms: must be at most 100, the "
+                                    "time of a frame (found '200')"),
+                          HasSubstr("s.yaml:6:43: estimator.in_loop: must be one of "
+                                    "estimator.methods, [baseline] (found 'size')"),
+                          HasSubstr("s.yaml:7:12: vibration.file: must be the name of a file for "
+                                    "source recorded (found nothing)"),
+                          HasSubstr("s.yaml:8:34: environment.file: must be a file that can be "
+                                    "read (found 'none.jpg')"),
+                          HasSubstr("s.yaml:10:5: aircraft.0.trajectory.file: must be the name of "
+                                    "a file for controller trajectory (found nothing)"),
+                          HasSubstr("s.yaml:11:10: aircraft.1.id: must be unlike that of every "
+                                    "other aircraft (found '1' again)")));
+}
+
+TEST(Scenario, ChecksEachRule) {
+  const std::string head = "description: x\naircraft:\n";
+  EXPECT_THAT(ErrorsOf("description: x\n"),
+              ElementsAre(HasSubstr("aircraft: must be a list of at least one (found none)")));
+  EXPECT_THAT(ErrorsOf(head + "  - {controller: follow}\n  - {id: 1, position_m: [9, 0, 0]}\n"),
+              ElementsAre(HasSubstr("aircraft.0.carries_rig: must be true for controller follow")));
+  EXPECT_THAT(ErrorsOf(head + "  - {controller: follow, carries_rig: true}\n"),
+              ElementsAre(HasSubstr("follow only where there is another aircraft")));
+  EXPECT_THAT(ErrorsOf(head + "  - {id: 0}\n  - {id: 1, position_m: [0.2, 0, 0]}\n"),
+              ElementsAre(HasSubstr("aircraft.1.position_m: must be at least 0.3 m from aircraft 0 "
+                                    "(found 0.2 m)")));
+  EXPECT_THAT(ErrorsOf(head + "  - {controller: waypoints}\n"),
+              ElementsAre(HasSubstr("aircraft.0.waypoints: must be a list of at least one")));
+  EXPECT_THAT(ErrorsOf(head + "  - {controller: waypoints, waypoints: [{time_s: 1}, {time_s: 1}]}"),
+              ElementsAre(HasSubstr("aircraft.0.waypoints.1.time_s: must be later than the one "
+                                    "before, 1 (found '1')")));
+  EXPECT_THAT(ErrorsOf(head + "  - {type: mesh}\n"),
+              ElementsAre(HasSubstr("aircraft.0.mesh.file: must be the name of a file")));
+  EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a}]\n"),
+              ElementsAre(HasSubstr("expect.0: must be bounded by max, min, upper95 or lower95")));
+  EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a, min: 2, max: 1}]\n"),
+              ElementsAre(HasSubstr("expect.0.min: must be at most max, 1 (found '2')")));
+  EXPECT_THAT(ErrorsOf(kValid + "score: {collision_m: 2}\n"),
+              ElementsAre(HasSubstr("score.collision_m: must be at most near_miss_m, 1.5")));
+}
+
+TEST(Scenario, AWrongValueIsReportedOnceNotTwice) {
+  EXPECT_THAT(ErrorsOf(kValid + "estimator: {methods: [basline], in_loop: offset1}\n"),
+              ElementsAre(HasSubstr("estimator.methods: must be a list of at least one of")));
+  EXPECT_THAT(ErrorsOf(kValid, {"aircraft.0.id=x", "aircraft.1.id=0"}),
+              ElementsAre(HasSubstr("--set:1:15: aircraft.0.id: must be a whole number")));
+}
+
+TEST(Scenario, TakesFilesOfOverridesFromTheCurrentFolder) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("s.yaml", kValid);
+  const auto before = std::filesystem::current_path();
+  folder.Write("here/v.csv", "1,2\n");
+  std::filesystem::current_path(folder.path() / "here");
+  const Scenario scenario = LoadScenario(file, {"vibration.file=v.csv"});
+  std::filesystem::current_path(before);
+  EXPECT_EQ(scenario.vibration.file.absolute, (folder.path() / "here/v.csv").string());
+}
+
+}  // namespace
+}  // namespace windhover
