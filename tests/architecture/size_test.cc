@@ -27,7 +27,7 @@ struct FunctionExtent {
 std::vector<FunctionExtent> Functions(const std::vector<std::string>& lines) {
   static const std::regex kOpens(R"(^( {0,4})[A-Za-z~].*\{$)");
   static const std::regex kNoFunction(
-      R"(^ *(namespace|struct|class|enum|union|extern|template|using|inline const|constexpr|const|static const)\b[^(]*\{$)");
+      R"(^ *(namespace|struct|class|enum|union|extern|template|using|inline const|inline constexpr|constexpr|const|static const)\b[^(]*\{$)");
   std::vector<FunctionExtent> functions;
   for (size_t i = 0; i < lines.size(); ++i) {
     std::smatch match;
