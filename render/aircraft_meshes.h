@@ -1,0 +1,21 @@
+#pragma once
+
+#include "render/mesh.h"
+#include "scenarios/scenario.h"
+
+namespace windhover {
+
+/// DJI Matrice 200 from its published dimensions: 887 × 880 × 378 mm with propellers, 643 mm
+/// wheelbase, 432 mm propellers (docs/sources.md); our own drawing. `orange`: the shell's colour,
+/// otherwise near black.
+AircraftModel MakeM200(bool orange);
+
+/// AMOVLAB Prometheus P600 from its measured dimensions: 470 × 470 × 392 mm without
+/// propellers, motors at (±212.1, ±212.1) mm, 388 mm propellers (docs/sources.md); our own drawing.
+AircraftModel MakeP600();
+
+/// What `aircraft` looks like; reads its mesh file if it is of type mesh.
+/// @throws ConfigError if the mesh cannot be used.
+AircraftModel MakeAircraftModel(const Aircraft& aircraft);
+
+}  // namespace windhover

@@ -1,0 +1,83 @@
+#include "render/gl_context.h"
+
+#include <array>
+#include <cstdlib>
+#include <mutex>
+#include <stdexcept>
+
+#include <GL/osmesa.h>
+#include <fmt/format.h>
+
+namespace windhover {
+namespace {
+
+constexpr int kStubSize_px = 16;
+
+// Mesa makes its screen with the first context and reads its environment then.
+std::mutex& CreationMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+class OsMesaContext final : public GlContext {
+ public:
+  OsMesaContext() {
+    const std::lock_guard lock(CreationMutex());
+    setenv("LP_NUM_THREADS", "0", /*overwrite=*/1);
+    constexpr int kAttributes[] = {OSMESA_FORMAT,
+                                   OSMESA_RGBA,
+                                   OSMESA_DEPTH_BITS,
+                                   0,
+                                   OSMESA_PROFILE,
+                                   OSMESA_CORE_PROFILE,
+                                   OSMESA_CONTEXT_MAJOR_VERSION,
+                                   3,
+                                   OSMESA_CONTEXT_MINOR_VERSION,
+                                   3,
+                                   0};
+    context_ = OSMesaCreateContextAttribs(kAttributes, nullptr);
+    if (context_ == nullptr) {
+      throw std::runtime_error("OSMesa offers no OpenGL 3.3 core context (is libosmesa6 broken?)");
+    }
+    Load();
+  }
+  ~OsMesaContext() override {
+    const std::lock_guard lock(CreationMutex());
+    OSMesaDestroyContext(context_);
+  }
+
+  void MakeCurrent() override {
+    if (!OSMesaMakeCurrent(context_, stub_.data(), GL_UNSIGNED_BYTE, kStubSize_px, kStubSize_px)) {
+      throw std::runtime_error("OSMesaMakeCurrent failed");
+    }
+  }
+
+  const GlFunctions& gl() const override { return gl_; }
+
+ private:
+  void Load() {
+#define WINDHOVER_GL_LOAD(type, name)                                  \
+  gl_.name = reinterpret_cast<type>(OSMesaGetProcAddress("gl" #name)); \
+  if (gl_.name == nullptr) throw std::runtime_error("OSMesa lacks gl" #name);
+    WINDHOVER_GL_FUNCTIONS(WINDHOVER_GL_LOAD)
+#undef WINDHOVER_GL_LOAD
+  }
+
+  OSMesaContext context_ = nullptr;
+  GlFunctions gl_;
+  std::array<unsigned char, kStubSize_px * kStubSize_px * 4> stub_{};
+};
+
+}  // namespace
+
+std::unique_ptr<GlContext> MakeOsMesaContext() { return std::make_unique<OsMesaContext>(); }
+
+std::string DescribeGl(const GlContext& context) {
+  const auto text = [&](GLenum name) {
+    const GLubyte* value = context.gl().GetString(name);
+    return value == nullptr ? "?" : reinterpret_cast<const char*>(value);
+  };
+  return fmt::format("OpenGL {}, {}", text(GL_VERSION), text(GL_RENDERER));
+}
+
+}  // namespace windhover

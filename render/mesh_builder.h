@@ -1,0 +1,28 @@
+#pragma once
+
+#include "render/mesh.h"
+
+namespace windhover {
+
+// Closed parts of the aircraft that windhover models itself. Each appends to a mesh one surface
+// without holes, normals outward; `colour` is linear RGB.
+
+/// A box with rounded edges and corners of `radius_m`.
+void AddRoundedBox(const Eigen::Vector3f& centre_m, const Eigen::Vector3f& size_m, float radius_m,
+                   const Eigen::Vector3f& colour, Mesh* mesh);
+
+/// A straight tube, or a cone if the radii differ, with flat ends.
+void AddTube(const Eigen::Vector3f& from_m, const Eigen::Vector3f& to_m, float from_radius_m,
+             float to_radius_m, int sides, const Eigen::Vector3f& colour, Mesh* mesh);
+
+void AddEllipsoid(const Eigen::Vector3f& centre_m, const Eigen::Vector3f& radii_m, int sides,
+                  const Eigen::Vector3f& colour, Mesh* mesh);
+
+/// A flat disc, normal up; one-sided.
+void AddDisc(const Eigen::Vector3f& centre_m, float radius_m, int sides,
+             const Eigen::Vector3f& colour, Mesh* mesh);
+
+/// Linear RGB of sRGB bytes.
+Eigen::Vector3f ColourFromSrgb(int red, int green, int blue);
+
+}  // namespace windhover
