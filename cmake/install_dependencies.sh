@@ -7,7 +7,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   liblcm-dev liblcm-bin
   libeigen3-dev libopencv-dev libosmesa6-dev libassimp-dev
-  libyaml-cpp-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libssl-dev
+  libyaml-cpp-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libre2-dev libssl-dev
   iproute2
 )
 missing=()

@@ -1,14 +1,21 @@
 #include "common/bus/bus.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <lcm/lcm.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/socket.h>
+
+#include "common/bus/tcpq_probe.h"
 
 namespace windhover {
 namespace {
@@ -26,6 +33,18 @@ void RequirePlainName(const std::string& channel) {
   }
   throw std::runtime_error(fmt::format(
       "bus: '{}' is not a channel name (1 to 63 letters, digits, '_' or '-')", channel));
+}
+
+// Closing a socket that has unread bytes resets the connection, and what was sent last may be
+// lost. So: say that nothing more comes, and read until the hub has closed its side.
+void FinishSending(int socket) {
+  if (socket < 0 || shutdown(socket, SHUT_WR) != 0) return;
+  std::array<char, 65536> unread;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  while (std::chrono::steady_clock::now() < deadline) {
+    pollfd readable{.fd = socket, .events = POLLIN, .revents = 0};
+    if (poll(&readable, 1, 100) > 0 && recv(socket, unread.data(), unread.size(), 0) <= 0) return;
+  }
 }
 
 }  // namespace
@@ -63,7 +82,14 @@ struct Bus::Impl {
     }
   }
 
+  int Socket() const { return lcm_get_fileno(lcm.get()); }
+
+  [[noreturn]] void HubIsGone() const {
+    throw std::runtime_error(fmt::format("bus: the hub at {} is gone", url));
+  }
+
   std::string url;
+  bool is_tcpq = false;
   std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm{nullptr, lcm_destroy};
   std::map<std::string, std::unique_ptr<Channel>> channels;
   std::vector<std::string> subscriptions;
@@ -73,16 +99,23 @@ struct Bus::Impl {
 
 Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
   impl_->url = url;
+  impl_->is_tcpq = url.starts_with("tcpq:");
+  if (impl_->is_tcpq) RequireTcpqServer(url);
   impl_->lcm.reset(lcm_create(url.c_str()));
   if (!impl_->lcm || lcm_get_fileno(impl_->lcm.get()) < 0) {
     throw std::runtime_error(fmt::format("bus: cannot open '{}'", url));
   }
+  const int on = 1;
+  if (impl_->is_tcpq) setsockopt(impl_->Socket(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
-Bus::~Bus() = default;
+Bus::~Bus() {
+  if (impl_->is_tcpq) FinishSending(impl_->Socket());
+}
 
 void Bus::PublishBytes(const std::string& channel, MessageBytes bytes) {
   RequirePlainName(channel);
+  if (impl_->is_tcpq && impl_->Socket() < 0) impl_->HubIsGone();  // liblcm would reconnect.
   const auto size = static_cast<unsigned int>(bytes.size());
   if (lcm_publish(impl_->lcm.get(), channel.c_str(), bytes.data(), size) != 0) {
     throw std::runtime_error(fmt::format("bus: cannot publish on {} ({})", channel, impl_->url));
@@ -109,10 +142,14 @@ void Bus::SubscribeBytes(const std::string& channel,
 
 bool Bus::Handle(int timeout_ms) {
   // Not lcm_handle_timeout(): its select() aborts the process for a descriptor of -1 or >= 1024.
-  pollfd readable{.fd = lcm_get_fileno(impl_->lcm.get()), .events = POLLIN, .revents = 0};
+  const int socket = impl_->Socket();
+  if (socket < 0) impl_->HubIsGone();
+  pollfd readable{.fd = socket, .events = POLLIN, .revents = 0};
   const int n_ready = poll(&readable, 1, timeout_ms);
   if (n_ready == 0 || (n_ready < 0 && errno == EINTR)) return false;
   if (n_ready < 0) throw std::runtime_error(fmt::format("bus: poll: {}", std::strerror(errno)));
+  char first = 0;
+  if (impl_->is_tcpq && recv(socket, &first, 1, MSG_PEEK) <= 0) impl_->HubIsGone();
   const int result = lcm_handle(impl_->lcm.get());
   if (impl_->error) std::rethrow_exception(std::exchange(impl_->error, nullptr));
   if (result < 0)

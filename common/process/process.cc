@@ -18,7 +18,9 @@ enum ExitStatus { kDone = 0, kBadUsage = 2, kFailed = 3, kInterrupted = 130 };
 
 void CatchSignals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = 1; };  // No SA_RESTART: waiting calls return.
+  action.sa_handler = [](int) { stop_requested = 1; };
+  // liblcm takes an interrupted recv() for a lost connection; poll() returns in any case.
+  action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // A closed socket is an error of the write, not of the process.
