@@ -54,4 +54,9 @@ std::string ResolvedYaml(const Scenario& scenario, PathStyle style) {
   return WriteConfig(scenario, style);
 }
 
+std::string LogHeaderYaml(Scenario scenario) {
+  scenario.execution = {};
+  return WriteConfig(scenario, PathStyle::kNameOnly);
+}
+
 }  // namespace windhover

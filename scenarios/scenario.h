@@ -331,4 +331,9 @@ Scenario ScenarioFromYaml(const std::string& resolved_yaml, const std::string& n
 /// The scenario as YAML, every key with its value; LoadScenario reads it back unchanged.
 std::string ResolvedYaml(const Scenario& scenario, PathStyle style);
 
+/// The scenario as a log's RUN_HEADER holds it: without what has no influence on the results
+/// (how the run is spread over processes, where the input files lie), so that the same run makes
+/// the same bytes everywhere. ScenarioFromYaml reads it.
+std::string LogHeaderYaml(Scenario scenario);
+
 }  // namespace windhover

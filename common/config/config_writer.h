@@ -23,7 +23,7 @@ class ConfigWriter {
   }
   template <typename Limit>
   void Field(const char* key, InputFile& value, const Limit&, const char* /*meaning*/) {
-    Line(key, WriteValue(style_ == PathStyle::kAbsolute ? value.absolute : value.as_given));
+    Line(key, WriteValue(NameOf(value)));
   }
 
   template <typename Struct>
@@ -48,6 +48,7 @@ class ConfigWriter {
   const std::string& text() const { return text_; }
 
  private:
+  std::string NameOf(const InputFile& file) const;
   void Line(const std::string& key, const std::string& value);
 
   PathStyle style_;

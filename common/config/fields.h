@@ -37,8 +37,9 @@ struct InputFile {
   bool empty() const { return as_given.empty(); }
 };
 
-/// How the names of input files are written.
-enum class PathStyle { kAsGiven, kAbsolute };
+/// How the names of input files are written: kNameOnly leaves out folders, which differ between
+/// machines.
+enum class PathStyle { kAsGiven, kAbsolute, kNameOnly };
 
 /// The names of an enum in YAML; specialise kEnumNames for each enum.
 template <typename Enum>

@@ -77,6 +77,21 @@ TEST(Scenario, ResolvedYamlReadsBackUnchanged) {
   EXPECT_EQ(ResolvedYaml(ScenarioFromYaml(as_given, "log"), PathStyle::kAsGiven), as_given);
 }
 
+TEST(Scenario, LogHeaderIsTheSameWhereverAndHoweverItRuns) {
+  const TemporaryFolder here, there;
+  const std::string yaml = kValid + "vibration: {source: psd, file: data/v.csv}\n";
+  here.Write("data/v.csv", "1,2\n");
+  there.Write("data/v.csv", "1,2\n");
+  const Scenario a = LoadScenario(here.Write("s.yaml", yaml), {"execution.render_processes=3"});
+  const Scenario b = LoadScenario(there.Write("t.yaml", yaml));
+  // A process of a run reads the copy with absolute names.
+  const Scenario c =
+      LoadScenario(there.Write("run/resolved.yaml", ResolvedYaml(a, PathStyle::kAbsolute)));
+  EXPECT_EQ(LogHeaderYaml(a), LogHeaderYaml(b));
+  EXPECT_EQ(LogHeaderYaml(a), LogHeaderYaml(c));
+  EXPECT_THAT(LogHeaderYaml(a), HasSubstr("file: v.csv"));
+}
+
 TEST(Scenario, ReportsTenMistakesAtOnce) {
   EXPECT_THAT(ErrorsOf(R"(description: ""
 frame_rat_hz: 20
