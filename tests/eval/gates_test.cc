@@ -1,5 +1,7 @@
 #include "eval/gates.h"
 
+#include <ostream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,6 +45,10 @@ TEST(EvaluateGates, SaysWhatFailed) {
 struct WantOfEvidence {
   Expectation expectation;
   const char* message;
+
+  friend std::ostream& operator<<(std::ostream& out, const WantOfEvidence& want) {
+    return out << want.expectation.metric << ": " << want.message;
+  }
 };
 
 class NothingPassesForWantOfEvidence : public ::testing::TestWithParam<WantOfEvidence> {};

@@ -1,0 +1,98 @@
+#include "estimator/estimator_node.h"
+
+#include <Eigen/Geometry>
+
+#include "common/bus/channels.h"
+#include "estimator/image_decoding.h"
+
+namespace windhover {
+
+EstimatorNode::EstimatorNode(const AircraftConfig& config, const ProcessShare& share,
+                             TickClient& client)
+    : config_(config), rig_(config.rig.ToStereoRig()), client_(client) {
+  if (config_.observe == Observe::kImage) detector_ = MakeDetector(config_.estimator.detector);
+  for (const std::string& method : config_.estimator.methods) {
+    estimators_.push_back(MakeRangeEstimator(method, config_));
+  }
+  for (std::size_t i = 0; i < config_.aircraft.size(); ++i) {
+    const AircraftSelf& aircraft = config_.aircraft[i];
+    if (!aircraft.carries_rig || !share.Owns(static_cast<int>(i))) continue;
+    Observer& observer = *observers_.emplace_back(std::make_unique<Observer>());
+    observer.id = aircraft.id;
+    client_.Require(channel::NavState(aircraft.id), &observer.nav);
+    if (detector_) {
+      client_.Require(channel::Stereo(aircraft.id), &observer.frame);
+    } else {
+      client_.Require(channel::Detection(aircraft.id), &observer.detections);
+    }
+  }
+  client_.OnTick([this](const tick_t& tick) { Process(tick); });
+}
+
+void EstimatorNode::Process(const tick_t& tick) {
+  for (const auto& observer : observers_) {
+    if (detector_) {
+      Detect(observer.get());
+      client_.Publish(channel::Detection(observer->id), observer->detections);
+    }
+    client_.Publish(channel::Range(observer->id), Estimate(tick, observer.get()));
+  }
+}
+
+void EstimatorNode::Detect(Observer* observer) {
+  const StageTimer::Scope timed = client_.Timer().Start("detect");
+  detection_t& detections = observer->detections;
+  detections = detection_t{};
+  detections.utime = observer->frame.utime;
+  detections.observer_id = observer->id;
+  detections.detector = config_.estimator.detector;
+  detections.boxes = detector_->Detect(RgbFromMessage(observer->frame.left),
+                                       RgbFromMessage(observer->frame.right));
+  detections.n_boxes = static_cast<int>(detections.boxes.size());
+}
+
+range_t EstimatorNode::Estimate(const tick_t& tick, Observer* observer) {
+  const StageTimer::Scope timed = client_.Timer().Start("estimate");
+  // The rehearsal must leave no trace: it works on a tracker of its own.
+  Tracker rehearsed;
+  Tracker& tracker = tick.phase == tick_t::PHASE_RUN ? observer->tracker : rehearsed;
+  const std::vector<int> tracks = tracker.Assign(tick.utime, Sightings(*observer));
+  range_t range{};
+  range.utime = tick.utime;
+  range.observer_id = observer->id;
+  for (std::size_t i = 0; i < observer->detections.boxes.size(); ++i) {
+    for (std::size_t m = 0; m < estimators_.size(); ++m) {
+      range_estimate_t estimate{};
+      estimate.detection_index = static_cast<int>(i);
+      estimate.track_id = tracks[i];
+      estimate.method = config_.estimator.methods[m];
+      estimate.status = range_estimate_t::STATUS_NO_ESTIMATE;
+      if (const auto solution = estimators_[m]->Estimate(observer->detections.boxes[i])) {
+        estimate.status = range_estimate_t::STATUS_OK;
+        estimate.range_m = solution->range_m;
+        estimate.range_sigma_m = solution->range_sigma_m;
+        Eigen::Map<Eigen::Vector3d>(estimate.p_RT_m) = solution->p_RT_m;
+        estimate.n_stages = solution->n_stages;
+      }
+      range.estimates.push_back(estimate);
+    }
+  }
+  range.n_estimates = static_cast<int>(range.estimates.size());
+  return range;
+}
+
+std::vector<Tracker::Sighting> EstimatorNode::Sightings(const Observer& observer) const {
+  const nav_state_t& nav = observer.nav;
+  const Eigen::Matrix3d R_WR =
+      Eigen::Quaterniond(nav.qw, nav.qx, nav.qy, nav.qz).normalized() * config_.rig.X_BR().linear();
+  std::vector<Tracker::Sighting> sightings;
+  for (const stereo_box_t& box : observer.detections.boxes) {
+    // A box without a ray is no distance either; any fixed direction will do.
+    const auto ray = rig_.left.Unproject({box.left.x_px, box.left.y_px});
+    sightings.push_back(
+        {R_WR * ray.value_or(Eigen::Vector3d::UnitZ()), box.left.w_px / rig_.left.fx_px});
+  }
+  return sightings;
+}
+
+}  // namespace windhover

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/tick_client.h"
+#include "common/process/process.h"
+#include "estimator/detector.h"
+#include "estimator/range_estimator.h"
+#include "estimator/tracker.h"
+#include "lcmtypes/detection_t.hpp"
+#include "lcmtypes/nav_state_t.hpp"
+#include "lcmtypes/range_t.hpp"
+#include "lcmtypes/stereo_frame_t.hpp"
+#include "scenarios/aircraft_config.h"
+
+namespace windhover {
+
+/// Puts detector and range estimators on the bus. For each aircraft i of its share that carries
+/// a rig, every tick:
+///
+///     in   NAV_STATE_i, and STEREO_i (observe: image) or DETECTION_i (else)
+///     out  RANGE_i, and DETECTION_i (observe: image)
+///
+/// RANGE_i has an estimate of every method for every box, sorted by detection, then by method as
+/// the scenario lists them.
+class EstimatorNode {
+ public:
+  /// Subscribes through `client`, which must outlive the node's use.
+  EstimatorNode(const AircraftConfig& config, const ProcessShare& share, TickClient& client);
+  EstimatorNode(const EstimatorNode&) = delete;
+
+ private:
+  /// What the node keeps of one aircraft; its messages are filled in by the client.
+  struct Observer {
+    int id = 0;
+    nav_state_t nav{};
+    stereo_frame_t frame{};
+    detection_t detections{};
+    Tracker tracker;
+  };
+
+  void Process(const tick_t& tick);
+  void Detect(Observer* observer);
+  range_t Estimate(const tick_t& tick, Observer* observer);
+  std::vector<Tracker::Sighting> Sightings(const Observer& observer) const;
+
+  AircraftConfig config_;
+  StereoRig rig_;
+  TickClient& client_;
+  std::unique_ptr<Detector> detector_;                       ///< Null unless observe is image.
+  std::vector<std::unique_ptr<RangeEstimator>> estimators_;  ///< As config_.estimator.methods.
+  std::vector<std::unique_ptr<Observer>> observers_;         ///< By id.
+};
+
+}  // namespace windhover

@@ -1,0 +1,42 @@
+#include "estimator/range_estimator.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "estimator/offset_triangulation.h"
+#include "estimator/size_prior.h"
+#include "estimator/triangulation.h"
+
+namespace windhover {
+namespace {
+
+bool IsBox(const image_box_t& box) {
+  return std::isfinite(box.x_px) && std::isfinite(box.y_px) && std::isfinite(box.w_px) &&
+         std::isfinite(box.h_px) && box.w_px > 0 && box.h_px > 0;
+}
+
+bool IsDistance(const RangeSolution& solution) {
+  return solution.p_RT_m.allFinite() && std::isfinite(solution.range_m) && solution.range_m > 0 &&
+         std::isfinite(solution.range_sigma_m) && solution.range_sigma_m >= 0;
+}
+
+}  // namespace
+
+std::optional<RangeSolution> RangeEstimator::Estimate(const stereo_box_t& box) const {
+  if (!IsBox(box.left) || !IsBox(box.right)) return std::nullopt;
+  auto solution = Solve(box);
+  if (!solution || !IsDistance(*solution)) return std::nullopt;
+  return solution;
+}
+
+std::unique_ptr<RangeEstimator> MakeRangeEstimator(const std::string& method,
+                                                   const AircraftConfig& config) {
+  if (method == "baseline") return std::make_unique<Triangulation>(config);
+  if (method == "offset1") return std::make_unique<OffsetTriangulation>(config);
+  if (method == "size") return std::make_unique<SizePrior>(config);
+  throw std::invalid_argument(fmt::format("there is no estimation method '{}'", method));
+}
+
+}  // namespace windhover
