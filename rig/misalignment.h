@@ -1,5 +1,6 @@
 #pragma once
 
+#include "camera/stereo_rig.h"
 #include "common/config/fields.h"
 
 namespace windhover {
@@ -37,5 +38,9 @@ struct Misalignment {
     v.Section("right", right, "of the right camera alone");
   }
 };
+
+/// The true rig at rest. The three angles of a camera are the components of one rotation vector
+/// in its own axes, about its optical centre.
+PosedStereoRig Misaligned(const StereoRig& rig, const Misalignment& misalignment);
 
 }  // namespace windhover

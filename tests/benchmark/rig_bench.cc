@@ -1,0 +1,66 @@
+// How long the true rig takes to evaluate: once per camera exposure sample.
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "rig/rig_motion.h"
+
+namespace windhover {
+namespace {
+
+RigMotion Motion(const VibrationConfig& vibration) {
+  const PinholeRadtan camera{.fx_px = 3215, .fy_px = 3215, .cx_px = 639.5, .cy_px = 359.5};
+  FlexConfig flex;
+  flex.enabled = true;
+  return {{camera, camera, 0.406, 1280, 720}, Misalignment{}, flex, vibration, 1, "uav0"};
+}
+
+VibrationConfig Psd() {
+  VibrationConfig vibration;
+  vibration.source = VibrationSource::kPsd;
+  return vibration;
+}
+
+// A minute at 200 Hz, as long as recordings of a flight are.
+VibrationConfig Recorded() {
+  const std::string file = std::filesystem::temp_directory_path() / "windhover_rig_bench.csv";
+  std::ofstream out(file);
+  for (int i = 0; i < 12000; ++i) {
+    std::array<double, 6> values;
+    for (int axis = 0; axis < 6; ++axis) values[axis] = std::sin(0.7 * i * i + axis);
+    out << fmt::format("{:.3f},{}\n", i / 200.0, fmt::join(values, ","));
+  }
+  VibrationConfig vibration;
+  vibration.source = VibrationSource::kRecorded;
+  vibration.file = {file, file, ""};
+  return vibration;
+}
+
+void At(benchmark::State& state, const VibrationConfig& vibration) {
+  const RigMotion motion = Motion(vibration);
+  double t_s = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(motion.At(t_s += 0.0037));
+}
+BENCHMARK_CAPTURE(At, psd, Psd());
+BENCHMARK_CAPTURE(At, recorded, Recorded());
+
+void MotionBoundPx(benchmark::State& state, const VibrationConfig& vibration) {
+  const RigMotion motion = Motion(vibration);
+  double t_s = 0;
+  for (auto _ : state) {
+    t_s += 0.0037;
+    benchmark::DoNotOptimize(motion.MotionBoundPx(t_s, t_s + 0.002));
+  }
+}
+BENCHMARK_CAPTURE(MotionBoundPx, psd, Psd());
+
+}  // namespace
+}  // namespace windhover
+
+BENCHMARK_MAIN();
