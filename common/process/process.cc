@@ -72,7 +72,7 @@ int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>
     return kBadUsage;
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: error: {}\n", app.get_name(), e.what());
-    return kFailed;
+    return StopRequested() ? kInterrupted : kFailed;
   }
 }
 

@@ -1,0 +1,240 @@
+#include "sim/lockstep.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/bus/channels.h"
+#include "common/bus/message_types.h"
+#include "common/process/process.h"
+
+namespace windhover {
+namespace {
+
+constexpr int kPoll_ms = 50;
+
+bool IsControl(const std::string& channel) {
+  return channel == channel::kTick || channel == channel::kTickDone || channel == channel::kHello ||
+         channel.starts_with(channel::Status(""));
+}
+
+// Data flows from render to estimator to swarm: of several silent peers, the first holds up the
+// others.
+int UpstreamRank(const std::string& process) {
+  constexpr std::array<std::string_view, 3> kOrder = {"render", "estimator", "swarm"};
+  const auto found = std::find_if(kOrder.begin(), kOrder.end(),
+                                  [&](std::string_view kind) { return process.starts_with(kind); });
+  return static_cast<int>(found - kOrder.begin());
+}
+
+ChannelCount CountOf(const std::map<std::string, ChannelCount>& counts,
+                     const std::string& channel) {
+  const auto found = counts.find(channel);
+  return found == counts.end() ? ChannelCount{} : found->second;
+}
+
+}  // namespace
+
+RunInvalid::RunInvalid(std::string its_culprit, std::string its_reason)
+    : std::runtime_error(its_culprit.empty() ? its_reason
+                                             : fmt::format("{}: {}", its_culprit, its_reason)),
+      culprit(std::move(its_culprit)),
+      reason(std::move(its_reason)) {}
+
+Lockstep::Lockstep(Bus& bus, std::int64_t run_id, std::vector<std::string> peers, double deadline_s)
+    : bus_(bus), run_id_(run_id), peers_(std::move(peers)), deadline_s_(deadline_s) {
+  std::stable_sort(peers_.begin(), peers_.end(),
+                   [](const auto& a, const auto& b) { return UpstreamRank(a) < UpstreamRank(b); });
+  tick_.utime = std::numeric_limits<std::int64_t>::min();
+  bus_.Subscribe<tick_t>(channel::kTick, [this](const tick_t& tick) { OnTick(tick); });
+  bus_.Subscribe<hello_t>(channel::kHello, [this](const hello_t& hello) { OnHello(hello); });
+  bus_.Subscribe<tick_done_t>(channel::kTickDone,
+                              [this](const tick_done_t& done) { OnDone(done); });
+  for (const std::string& peer : peers_) {
+    bus_.Subscribe<status_t>(channel::Status(peer),
+                             [this, peer](const status_t& status) { status_[peer] = status; });
+  }
+  before_ = bus_.Counts();
+}
+
+void Lockstep::OnTick(const tick_t& tick) {
+  if (tick.run_id == run_id_) return;
+  throw RunInvalid("", fmt::format("a TICK of run {} came: another simulator is running on this "
+                                   "bus; give each its own --lcm-url",
+                                   tick.run_id));
+}
+
+void Lockstep::OnHello(const hello_t& hello) {
+  if (std::find(peers_.begin(), peers_.end(), hello.process) == peers_.end()) return;
+  if (hello.run_id != 0 && hello.run_id != run_id_) {
+    throw RunInvalid(hello.process, fmt::format("belongs to run {}; two runs share this bus, give "
+                                                "each its own --lcm-url",
+                                                hello.run_id));
+  }
+  CheckTypes(hello);
+  present_.insert(hello.process);
+}
+
+void Lockstep::CheckTypes(const hello_t& hello) const {
+  std::map<std::string, std::int64_t> ours;
+  for (const type_fingerprint_t& type : AllFingerprints()) ours[type.name] = type.fingerprint;
+  for (const type_fingerprint_t& type : hello.types) {
+    const auto found = ours.find(type.name);
+    if (found == ours.end() || found->second == type.fingerprint) continue;
+    std::vector<std::string> channels;
+    for (const std::string& channel : hello.subscriptions) {
+      if (TypeOnChannel(channel) == type.name) channels.push_back(channel);
+    }
+    throw RunInvalid(
+        hello.process,
+        fmt::format(
+            "was built with another {} ({}): its fingerprint is {:#018x}, the sim's "
+            "{:#018x}; rebuild it with this lcmtypes/{}.lcm",
+            type.name,
+            channels.empty() ? "no subscription" : fmt::format("{}", fmt::join(channels, ", ")),
+            static_cast<std::uint64_t>(type.fingerprint), static_cast<std::uint64_t>(found->second),
+            type.name));
+  }
+}
+
+void Lockstep::OnDone(const tick_done_t& done) {
+  if (std::find(peers_.begin(), peers_.end(), done.process) == peers_.end()) return;
+  if (done.run_id != run_id_ || done.utime != tick_.utime) {
+    throw RunInvalid(done.process, fmt::format("answered tick {} of run {}, but this is tick {} of "
+                                               "run {}",
+                                               done.tick, done.run_id, tick_.tick, run_id_));
+  }
+  if (!done_.insert(done.process).second) {
+    throw RunInvalid(done.process, fmt::format("answered tick {} twice: there are two processes of "
+                                               "this name",
+                                               done.tick));
+  }
+  for (const channel_count_t& count : done.channels) {
+    announced_[count.channel][done.process] += count.n_sent;
+  }
+}
+
+void Lockstep::Publish(tick_t tick) {
+  tick.run_id = run_id_;
+  bus_.Publish(channel::kTick, tick);
+}
+
+bool Lockstep::WaitUntil(Clock::time_point deadline, const std::function<bool()>& done) {
+  while (!done()) {
+    const bool came = bus_.Handle(bus_.InProcess() ? 0 : kPoll_ms);
+    // In one process everything that will come is already there, and nobody is late.
+    const bool over = bus_.InProcess() ? !came : Clock::now() >= deadline;
+    if (over || StopRequested()) return done();
+  }
+  return true;
+}
+
+void Lockstep::WaitForPeers(double timeout_s) {
+  const auto all_present = [this] { return present_.size() == peers_.size(); };
+  const auto seconds = [](double t_s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t_s));
+  };
+  const auto deadline = Clock::now() + seconds(timeout_s);
+  bool complete = all_present();
+  while (!complete) {
+    tick_t roll_call{};
+    roll_call.phase = tick_t::PHASE_ROLL_CALL;
+    Publish(roll_call);
+    complete = WaitUntil(std::min(deadline, Clock::now() + seconds(0.25)), all_present);
+    if (!complete && (bus_.InProcess() || StopRequested() || Clock::now() >= deadline)) {
+      FailSilent(fmt::format("has not said HELLO within {} s", timeout_s), present_);
+    }
+  }
+  before_ = bus_.Counts();
+}
+
+void Lockstep::FailSilent(const std::string& what, const std::set<std::string>& heard) const {
+  if (StopRequested()) throw RunInvalid("", "interrupted");
+  std::vector<std::string> silent;
+  for (const std::string& peer : peers_) {
+    if (!heard.contains(peer)) silent.push_back(peer);
+  }
+  const std::string culprit = silent.front();
+  silent.erase(silent.begin());
+  throw RunInvalid(culprit, silent.empty()
+                                ? what
+                                : fmt::format("{}; neither have {}, which may wait for it", what,
+                                              fmt::join(silent, ", ")));
+}
+
+std::int64_t Lockstep::Received(const std::string& channel) const {
+  return CountOf(bus_.Counts(), channel).received - CountOf(before_, channel).received;
+}
+
+// Peers announce what they have sent; what nobody announced, the sim itself has sent.
+std::int64_t Lockstep::Expected(const std::string& channel) const {
+  const auto announced = announced_.find(channel);
+  if (announced == announced_.end()) {
+    return CountOf(bus_.Counts(), channel).sent - CountOf(before_, channel).sent;
+  }
+  std::int64_t sum = 0;
+  for (const auto& [peer, count] : announced->second) sum += count;
+  return sum;
+}
+
+bool Lockstep::AllArrived() const {
+  return std::all_of(bus_.Subscriptions().begin(), bus_.Subscriptions().end(),
+                     [this](const std::string& channel) {
+                       return IsControl(channel) || Received(channel) == Expected(channel);
+                     });
+}
+
+void Lockstep::FailMissing() const {
+  if (StopRequested()) throw RunInvalid("", "interrupted");
+  for (const std::string& channel : bus_.Subscriptions()) {
+    if (IsControl(channel) || Received(channel) == Expected(channel)) continue;
+    const auto announced = announced_.find(channel);
+    const std::string sender =
+        announced == announced_.end() ? "" : announced->second.begin()->first;
+    throw RunInvalid(sender,
+                     fmt::format("tick {}: {} message(s) were sent on {} by this run, {} "
+                                 "arrived",
+                                 tick_.tick, Expected(channel), channel, Received(channel)));
+  }
+  throw RunInvalid("", "no message is missing");  // Not reached: the caller found one.
+}
+
+void Lockstep::Step(tick_t tick) {
+  if (tick.utime <= tick_.utime) {
+    throw std::logic_error(fmt::format("tick {} is not later than tick {}", tick.tick, tick_.tick));
+  }
+  tick_ = tick;
+  done_.clear();
+  announced_.clear();
+  Publish(tick);
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(deadline_s_));
+  if (!WaitUntil(deadline, [this] { return AllDone(); })) {
+    FailSilent(fmt::format("has not answered tick {} within {} s", tick.tick, deadline_s_), done_);
+  }
+  if (!WaitUntil(deadline, [this] { return AllArrived(); })) FailMissing();
+  before_ = bus_.Counts();
+}
+
+std::vector<status_t> Lockstep::End(double timeout_s) {
+  tick_t end = tick_;
+  end.phase = tick_t::PHASE_END;
+  Publish(end);
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(timeout_s));
+  WaitUntil(deadline, [this] { return status_.size() == peers_.size(); });
+  std::vector<status_t> result;
+  for (const std::string& peer : peers_) {
+    if (const auto found = status_.find(peer); found != status_.end()) {
+      result.push_back(found->second);
+    }
+  }
+  return result;
+}
+
+}  // namespace windhover

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.h"
+#include "lcmtypes/hello_t.hpp"
+#include "lcmtypes/status_t.hpp"
+#include "lcmtypes/tick_done_t.hpp"
+#include "lcmtypes/tick_t.hpp"
+
+namespace windhover {
+
+/// The run cannot go on or is not to be trusted.
+class RunInvalid : public std::runtime_error {
+ public:
+  RunInvalid(std::string its_culprit, std::string its_reason);
+
+  std::string culprit;  ///< The process to look at first; may be empty.
+  std::string reason;
+};
+
+/// The sim's half of the lock-step (the peers' half is common/bus/tick_client.h): tells the peers
+/// each tick and waits until all have answered and every message they counted has arrived.
+///
+/// On memq:// the peers live on the same bus, and waiting runs their handlers.
+class Lockstep {
+ public:
+  /// `peers` are the processes that take part ("render-0"); `deadline_s` is wall-clock time for
+  /// one tick. Everything else that is to be recorded or read must be subscribed on `bus` before
+  /// the first Step().
+  Lockstep(Bus& bus, std::int64_t run_id, std::vector<std::string> peers, double deadline_s);
+  Lockstep(const Lockstep&) = delete;
+
+  /// Calls the roll until each peer has said HELLO.
+  /// @throws RunInvalid naming who is missing, or a peer with other message types.
+  void WaitForPeers(double timeout_s);
+
+  /// Publishes `tick` with this run's id and returns when it is done. What the sim itself says in
+  /// this tick is published before.
+  /// @pre tick.utime grows from call to call, the rehearsal's being the least.
+  /// @throws RunInvalid naming the first silent peer in the order render, estimator, swarm, or
+  /// the channel on which a message is missing or has come from outside the run.
+  void Step(tick_t tick);
+
+  /// Ends the run: PHASE_END, then the STATUS of each peer that sends one within `timeout_s`.
+  std::vector<status_t> End(double timeout_s = 5);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void OnHello(const hello_t& hello);
+  void OnDone(const tick_done_t& done);
+  void OnTick(const tick_t& tick);
+  void CheckTypes(const hello_t& hello) const;
+  void Publish(tick_t tick);
+  bool WaitUntil(Clock::time_point deadline, const std::function<bool()>& done);
+  bool AllDone() const { return done_.size() == peers_.size(); }
+  bool AllArrived() const;
+  std::int64_t Expected(const std::string& channel) const;
+  std::int64_t Received(const std::string& channel) const;
+  [[noreturn]] void FailSilent(const std::string& what, const std::set<std::string>& heard) const;
+  [[noreturn]] void FailMissing() const;
+
+  Bus& bus_;
+  std::int64_t run_id_;
+  std::vector<std::string> peers_;  // Upstream first.
+  double deadline_s_;
+  tick_t tick_{};
+  std::set<std::string> present_;
+  std::set<std::string> done_;
+  std::map<std::string, std::map<std::string, std::int64_t>> announced_;  // [channel][peer]
+  std::map<std::string, ChannelCount> before_;  // When the last tick ended.
+  std::map<std::string, status_t> status_;
+};
+
+}  // namespace windhover

@@ -1,0 +1,116 @@
+#include "sim/recorder.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/bus/channels.h"
+#include "common/bus/message_types.h"
+#include "common/bus/truth_channels.h"
+#include "lcmtypes/stereo_frame_t.hpp"
+
+namespace windhover {
+namespace {
+
+constexpr int kJpegQuality = 95;
+
+image_t JpegFromImage(const image_t& image) {
+  const bool is_gray = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
+  const int channels = is_gray ? 1 : 3;
+  if (!is_gray && image.pixelformat != image_t::PIXEL_FORMAT_RGB) {
+    throw std::runtime_error("--record jpeg: only GRAY and RGB images can be compressed");
+  }
+  if (image.width <= 0 || image.height <= 0 || image.row_stride / channels < image.width ||
+      image.size != std::int64_t{image.row_stride} * image.height) {
+    throw std::runtime_error(
+        fmt::format("--record jpeg: an image of {} x {} pixels cannot have {} "
+                    "rows of {} bytes in {} bytes",
+                    image.width, image.height, image.height, image.row_stride, image.size));
+  }
+  // cv::Mat wants mutable bytes; only read here.
+  auto* bytes = const_cast<std::uint8_t*>(image.data.data());
+  const cv::Mat view(image.height, image.width, CV_8UC(channels), bytes,
+                     static_cast<std::size_t>(image.row_stride));
+  cv::Mat coded = view;
+  if (!is_gray) cv::cvtColor(view, coded, cv::COLOR_RGB2BGR);
+  image_t jpeg = image;
+  cv::imencode(".jpg", coded, jpeg.data, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  jpeg.size = static_cast<std::int32_t>(jpeg.data.size());
+  jpeg.row_stride = 0;
+  jpeg.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
+  return jpeg;
+}
+
+std::vector<std::uint8_t> JpegFrame(MessageBytes bytes) {
+  stereo_frame_t frame = Decode<stereo_frame_t>(bytes);
+  frame.left = JpegFromImage(frame.left);
+  frame.right = JpegFromImage(frame.right);
+  return Encode(frame);
+}
+
+}  // namespace
+
+RecordedPixels RecordedPixelsFromName(const std::string& name) {
+  if (name == "none") return RecordedPixels::kNone;
+  if (name == "jpeg") return RecordedPixels::kJpeg;
+  if (name == "raw") return RecordedPixels::kRaw;
+  throw std::runtime_error(fmt::format("--record: none, jpeg or raw, not '{}'", name));
+}
+
+Recorder::Recorder(Bus& bus, const std::filesystem::path& file, const std::vector<int>& ids,
+                   RecordedPixels pixels)
+    : bus_(bus), log_(file), pixels_(pixels) {
+  std::vector<int> sorted = ids;
+  std::sort(sorted.begin(), sorted.end());
+  Record(channel::kUavTruth);
+  using ChannelOfId = std::string (*)(int);
+  for (const ChannelOfId name :
+       {channel::NavState, channel::Imu, channel::Uwb, channel::Stereo, channel::FrameDigest,
+        channel::Annotation, channel::Detection, channel::Range, channel::VelocityCommand}) {
+    if (name == ChannelOfId{channel::Stereo} && pixels == RecordedPixels::kNone) continue;
+    for (const int id : sorted) Record(name(id));
+  }
+}
+
+void Recorder::Record(const std::string& channel) {
+  const std::size_t place = n_channels_++;
+  bus_.SubscribeBytes(channel, [this, place](const std::string& name, MessageBytes bytes) {
+    CheckChannelLayout(name, bytes);
+    heard_.push_back({place, name, {bytes.begin(), bytes.end()}});
+  });
+}
+
+void Recorder::WriteHeader(const run_header_t& header) {
+  log_.Write(channel::kRunHeader, header.utime, header);
+  log_.Flush();
+}
+
+void Recorder::WriteTick(const tick_t& tick) {
+  if (tick.phase == tick_t::PHASE_RUN) {
+    // Stable: a channel has one publisher, whose order is kept.
+    std::stable_sort(heard_.begin(), heard_.end(),
+                     [](const Heard& a, const Heard& b) { return a.place < b.place; });
+    for (const Heard& message : heard_) {
+      const bool is_frame = TypeOnChannel(message.channel) == MessageLayout<stereo_frame_t>::kName;
+      if (is_frame && pixels_ == RecordedPixels::kJpeg) {
+        log_.WriteBytes(message.channel, tick.utime, JpegFrame(message.bytes));
+      } else {
+        log_.WriteBytes(message.channel, tick.utime, message.bytes);
+      }
+    }
+    log_.Flush();
+  }
+  heard_.clear();
+}
+
+void Recorder::WriteEnd(const run_end_t& end) {
+  log_.Write(channel::kRunEnd, end.utime, end);
+  log_.Flush();
+}
+
+}  // namespace windhover
