@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/eval/flight_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 namespace windhover {
 namespace {
@@ -17,11 +18,6 @@ using ::testing::Not;
 
 class EvaluationTest : public ::testing::Test {
  protected:
-  EvaluationTest() : dir_(std::filesystem::path(::testing::TempDir()) / "windhover_evaluation") {
-    std::filesystem::create_directories(dir_);
-  }
-  ~EvaluationTest() override { std::filesystem::remove_all(dir_); }
-
   std::string Read(const std::string& name) const {
     std::ifstream in(dir_ / name);
     std::stringstream text;
@@ -29,7 +25,8 @@ class EvaluationTest : public ::testing::Test {
     return text.str();
   }
 
-  std::filesystem::path dir_;
+  TemporaryFolder folder_;
+  const std::filesystem::path& dir_ = folder_.path();
 };
 
 /// Ten seconds at 10 Hz, target at 10 m; estimates alternate between 11 m and 9.5 m.

@@ -1,0 +1,121 @@
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/random/random_stream.h"
+#include "eval/evaluation.h"
+#include "eval/report_frames.h"
+#include "eval/svg_chart.h"
+#include "tests/eval/flight_fixture.h"
+#include "tests/support/temporary_folder.h"
+
+namespace windhover {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class ReportTest : public ::testing::Test {
+ protected:
+  std::string Report(const Evaluation& evaluation) const {
+    WriteReport(evaluation, dir_);
+    std::ifstream in(dir_ / "report.html");
+    std::stringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path& dir_ = folder_.path();
+};
+
+/// 40 s of a target that recedes from 5 to 40 m; `offset1` is noisy, `baseline` far too short.
+RunRecord RecedingTarget() {
+  RandomStream random(1, "estimates");
+  std::vector<ObserverFrame> frames;
+  for (int k = 0; k < 400; ++k) {
+    const double range_m = 5 + 35 * k / 400.0;
+    ObserverFrame frame = SeenFrame(UtimeOfTick(k, 10), TargetAhead(1, range_m, 640 + k % 50),
+                                    range_m / (1 + 0.055 * range_m));
+    frame.ranges->estimates.push_back(
+        Estimate(0, "offset1", range_m * (1 + 0.004 * range_m * random.Normal()), 1));
+    frame.ranges->estimates.push_back(
+        Estimate(0, "size", range_m * (1.05 + 0.1 * random.Normal()), 0.1 * range_m));
+    frame.ranges->n_estimates = 3;
+    frames.push_back(frame);
+  }
+  RunRecord run = Flight(std::move(frames));
+  run.scenario.description = "an orange M200 recedes & returns <fast>";
+  run.scenario.estimator.methods = {"baseline", "offset1", "size"};
+  run.scenario.estimator.in_loop = "offset1";
+  run.scenario.expect = {{.metric = "methods.offset1.abs_rel_all", .upper95 = 0.1},
+                         {.metric = "methods.fused.abs_rel_all", .upper95 = 0.1},
+                         {.metric = "methods.baseline.abs_rel", .max = 0.2}};
+  return run;
+}
+
+TEST_F(ReportTest, IsOneFileThatNeedsNoNetwork) {
+  const std::string html = Report(EvaluateRecord(RecedingTarget()));
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  EXPECT_THAT(html, Not(HasSubstr("src=")));
+  EXPECT_THAT(html, HasSubstr("<style>"));
+}
+
+TEST_F(ReportTest, TellsTheVerdictAndWhy) {
+  const std::string html = Report(EvaluateRecord(RecedingTarget()));
+  EXPECT_THAT(html, HasSubstr("<header class=\"fail\"><h1>FAIL</h1>"));
+  EXPECT_THAT(html, HasSubstr("1 / 3"));
+  EXPECT_THAT(html, HasSubstr("there is no metric 'methods.fused.abs_rel_all'"));
+}
+
+TEST_F(ReportTest, EscapesWhatTheScenarioSays) {
+  const std::string html = Report(EvaluateRecord(RecedingTarget()));
+  EXPECT_THAT(html, HasSubstr("recedes &amp; returns &lt;fast&gt;"));
+  EXPECT_THAT(html, Not(HasSubstr("<fast>")));
+}
+
+TEST_F(ReportTest, DrawsEveryMethodAndTheReference) {
+  const std::string html = Report(EvaluateRecord(RecedingTarget()));
+  EXPECT_THAT(html, HasSubstr("<path class=\"line truth\""));
+  for (const char* look : {"mark s0", "mark s1", "mark s2"}) EXPECT_THAT(html, HasSubstr(look));
+  EXPECT_THAT(html, Not(ContainsRegex("[^a-z](nan|inf)[^a-z]")));
+}
+
+TEST_F(ReportTest, OfAnEmptyRunIsStillAReport) {
+  const std::string html = Report(EvaluateRecord(Flight({})));
+  EXPECT_THAT(html, HasSubstr("</html>"));
+  EXPECT_THAT(html, Not(ContainsRegex("[^a-z](nan|inf)[^a-z]")));
+}
+
+TEST_F(ReportTest, EmbedsPicturesWithTheirBoxes) {
+  folder_.Write("frames/100000_0_left.png", "picture");
+  folder_.Write("frames/notes.txt", "text");
+  RunRecord run = RecedingTarget();
+  run.frames[1].truth.targets[0].left.visible = Box(99.5, 49.5, 40, 20);
+  const std::string html = Report(EvaluateRecord(std::move(run)));
+  EXPECT_THAT(html, HasSubstr("data:image/png;base64,cGljdHVyZQ=="));
+  EXPECT_THAT(html, HasSubstr("class=\"truth-box\" x=\"80.00\" y=\"40.00\" width=\"40.00\""));
+  EXPECT_THAT(html, HasSubstr("t = 0.10 s"));
+}
+
+TEST(Base64, AgreesWithTheRfc) {  // RFC 4648, section 10.
+  EXPECT_EQ(Base64(""), "");
+  EXPECT_EQ(Base64("f"), "Zg==");
+  EXPECT_EQ(Base64("fo"), "Zm8=");
+  EXPECT_EQ(Base64("foo"), "Zm9v");
+  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
+}
+
+TEST(NiceTicks, AreRound) {
+  EXPECT_THAT(NiceTicks(40), ElementsAre(0, 10, 20, 30, 40));
+  EXPECT_THAT(NiceTicks(1), ElementsAre(0, 0.2, 0.4, ::testing::DoubleEq(0.6), 0.8, 1));
+  EXPECT_THAT(NiceTicks(0), ElementsAre(0));
+}
+
+}  // namespace
+}  // namespace windhover
