@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -16,9 +17,13 @@
 #include <sys/socket.h>
 
 #include "common/bus/tcpq_probe.h"
+#include "common/bus/udp_network.h"
+#include "common/bus/udp_tiles.h"
 
 namespace windhover {
 namespace {
+
+constexpr int kTilePeriod_ms = 100;
 
 // LCM takes a subscription as a regular expression, so a name may hold no character that means
 // something there.
@@ -82,6 +87,9 @@ struct Bus::Impl {
     }
   }
 
+  bool WaitForMessage(int timeout_ms);
+  bool HandleTiles();
+  void RethrowError();
   int Socket() const { return lcm_get_fileno(lcm.get()); }
 
   [[noreturn]] void HubIsGone() const {
@@ -92,21 +100,25 @@ struct Bus::Impl {
   bool is_tcpq = false;
   std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm{nullptr, lcm_destroy};
   std::map<std::string, std::unique_ptr<Channel>> channels;
+  std::unique_ptr<UdpTiles> tiles;  // On udpm only.
   std::vector<std::string> subscriptions;
   std::map<std::string, ChannelCount> counts;
   std::exception_ptr error;
 };
 
 Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
-  impl_->url = url;
-  impl_->is_tcpq = url.starts_with("tcpq:");
+  const bool is_udpm = url.starts_with("udpm://");
+  impl_->is_tcpq = url.starts_with("tcpq://");
+  impl_->url = is_udpm ? CompleteUdpmUrl(url) : url;
   if (impl_->is_tcpq) RequireTcpqServer(url);
-  impl_->lcm.reset(lcm_create(url.c_str()));
+  if (is_udpm) RequireMulticastRoute(url);
+  impl_->lcm.reset(lcm_create(impl_->url.c_str()));
   if (!impl_->lcm || lcm_get_fileno(impl_->lcm.get()) < 0) {
     throw std::runtime_error(fmt::format("bus: cannot open '{}'", url));
   }
   const int on = 1;
   if (impl_->is_tcpq) setsockopt(impl_->Socket(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (is_udpm) impl_->tiles = std::make_unique<UdpTiles>(impl_->url);
 }
 
 Bus::~Bus() {
@@ -117,7 +129,9 @@ void Bus::PublishBytes(const std::string& channel, MessageBytes bytes) {
   RequirePlainName(channel);
   if (impl_->is_tcpq && impl_->Socket() < 0) impl_->HubIsGone();  // liblcm would reconnect.
   const auto size = static_cast<unsigned int>(bytes.size());
-  if (lcm_publish(impl_->lcm.get(), channel.c_str(), bytes.data(), size) != 0) {
+  if (impl_->tiles && UdpTiles::NeedsTiles(size)) {
+    impl_->tiles->Publish(channel, bytes);
+  } else if (lcm_publish(impl_->lcm.get(), channel.c_str(), bytes.data(), size) != 0) {
     throw std::runtime_error(fmt::format("bus: cannot publish on {} ({})", channel, impl_->url));
   }
   ++impl_->counts[channel].sent;
@@ -136,30 +150,62 @@ void Bus::SubscribeBytes(const std::string& channel,
     }
     lcm_subscription_set_queue_capacity(subscription, 0);  // LCM drops beyond 30 by default.
     impl_->subscriptions.push_back(channel);
+    if (impl_->tiles) impl_->tiles->Subscribe(channel);
   }
   entry->handlers.push_back(std::move(handler));
 }
 
+// Not lcm_handle_timeout(): its select() aborts the process for a descriptor of -1 or >= 1024.
+bool Bus::Impl::WaitForMessage(int timeout_ms) {
+  if (Socket() < 0) HubIsGone();
+  std::array<pollfd, 2> readable = {pollfd{.fd = Socket(), .events = POLLIN, .revents = 0},
+                                    pollfd{.fd = -1, .events = POLLIN, .revents = 0}};
+  if (tiles) {
+    readable[1].fd = tiles->Socket();
+    timeout_ms = std::min(timeout_ms, kTilePeriod_ms);
+  }
+  const int n_ready = poll(readable.data(), readable.size(), timeout_ms);
+  if (n_ready < 0 && errno != EINTR) {
+    throw std::runtime_error(fmt::format("bus: poll: {}", std::strerror(errno)));
+  }
+  return n_ready > 0 && readable[0].revents != 0;
+}
+
+// A whole message that came in tiles; they are acknowledged and announced here too.
+bool Bus::Impl::HandleTiles() {
+  tiles->Receive();
+  const std::optional<UdpTiles::Message> message = tiles->Take();
+  if (message) Dispatch(*channels.at(message->channel), message->bytes);
+  return message.has_value();
+}
+
+void Bus::Impl::RethrowError() {
+  if (error) std::rethrow_exception(std::exchange(error, nullptr));
+}
+
 bool Bus::Handle(int timeout_ms) {
-  // Not lcm_handle_timeout(): its select() aborts the process for a descriptor of -1 or >= 1024.
-  const int socket = impl_->Socket();
-  if (socket < 0) impl_->HubIsGone();
-  pollfd readable{.fd = socket, .events = POLLIN, .revents = 0};
-  const int n_ready = poll(&readable, 1, timeout_ms);
-  if (n_ready == 0 || (n_ready < 0 && errno == EINTR)) return false;
-  if (n_ready < 0) throw std::runtime_error(fmt::format("bus: poll: {}", std::strerror(errno)));
+  const bool is_readable = impl_->WaitForMessage(timeout_ms);
+  if (impl_->tiles && impl_->HandleTiles()) {
+    impl_->RethrowError();
+    return true;
+  }
+  if (!is_readable) return false;
   char first = 0;
-  if (impl_->is_tcpq && recv(socket, &first, 1, MSG_PEEK) <= 0) impl_->HubIsGone();
+  if (impl_->is_tcpq && recv(impl_->Socket(), &first, 1, MSG_PEEK) <= 0) impl_->HubIsGone();
   const int result = lcm_handle(impl_->lcm.get());
-  if (impl_->error) std::rethrow_exception(std::exchange(impl_->error, nullptr));
-  if (result < 0)
+  impl_->RethrowError();
+  if (result < 0 && impl_->is_tcpq) impl_->HubIsGone();
+  if (result < 0) {
     throw std::runtime_error(fmt::format("bus: receiving from {} failed", impl_->url));
+  }
   return true;
 }
 
 bool Bus::InProcess() const { return impl_->url.starts_with("memq:"); }
 
-std::int64_t Bus::DroppedByKernel() const { return 0; }
+std::int64_t Bus::DroppedByKernel() const {
+  return impl_->tiles ? UdpDropsOfThisProcess(impl_->url) : 0;
+}
 
 const std::vector<std::string>& Bus::Subscriptions() const { return impl_->subscriptions; }
 
