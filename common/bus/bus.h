@@ -66,11 +66,13 @@ class Bus {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+  std::vector<std::uint8_t> encoded_;
 };
 
 template <typename Message>
 void Bus::Publish(const std::string& channel, const Message& message) {
-  PublishBytes(channel, Encode(message));
+  EncodeTo(message, &encoded_);
+  PublishBytes(channel, encoded_);
 }
 
 template <typename Message>

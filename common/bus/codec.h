@@ -44,20 +44,28 @@ Message Decode(MessageBytes bytes) {
   return message;
 }
 
+/// Encodes into `bytes`, whose memory is used again from message to message.
 /// @throws std::runtime_error if a vector's size differs from its count member, if a string
 /// holds a NUL, or if the message is larger than receivers accept.
 template <typename Message>
-std::vector<std::uint8_t> Encode(const Message& message) {
+void EncodeTo(const Message& message, std::vector<std::uint8_t>* bytes) {
   using Layout = MessageLayout<Message>;
   Layout::CheckCounts(message);
   const int size = message.getEncodedSize();
   if (size < 0 || static_cast<std::size_t>(size) > Layout::kMaxBytes) {
     throw std::runtime_error(fmt::format("a {} of {} bytes is too large", Layout::kName, size));
   }
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  if (message.encode(bytes.data(), 0, size) != size) {
+  bytes->resize(static_cast<std::size_t>(size));
+  if (message.encode(bytes->data(), 0, size) != size) {
     throw std::runtime_error(fmt::format("a string in a {} holds a NUL", Layout::kName));
   }
+}
+
+/// The encoded message; throws as EncodeTo() does.
+template <typename Message>
+std::vector<std::uint8_t> Encode(const Message& message) {
+  std::vector<std::uint8_t> bytes;
+  EncodeTo(message, &bytes);
   return bytes;
 }
 

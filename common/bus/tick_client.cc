@@ -194,10 +194,9 @@ bool TickClient::Accept(std::size_t requirement, std::int64_t utime) {
   return true;
 }
 
-void TickClient::PublishCounted(const std::string& channel, MessageBytes bytes) {
-  impl_->bus.PublishBytes(channel, bytes);
-  ++impl_->n_sent[channel];
-}
+Bus& TickClient::MyBus() { return impl_->bus; }
+
+void TickClient::CountSent(const std::string& channel) { ++impl_->n_sent[channel]; }
 
 void TickClient::OnTick(std::function<void(const tick_t&)> process) {
   impl_->on_tick = std::move(process);

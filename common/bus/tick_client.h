@@ -62,7 +62,8 @@ class TickClient {
                     std::function<void(std::size_t requirement, MessageBytes)> hold,
                     std::function<void()> deliver);
   bool Accept(std::size_t requirement, std::int64_t utime);
-  void PublishCounted(const std::string& channel, MessageBytes bytes);
+  Bus& MyBus();
+  void CountSent(const std::string& channel);
 
   std::unique_ptr<Impl> impl_;
 };
@@ -81,7 +82,8 @@ void TickClient::Require(const std::string& channel, Message* latest) {
 
 template <typename Message>
 void TickClient::Publish(const std::string& channel, const Message& message) {
-  PublishCounted(channel, Encode(message));
+  MyBus().Publish(channel, message);
+  CountSent(channel);
 }
 
 }  // namespace windhover
