@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kStopPeriod_ms = 100;
 constexpr std::chrono::seconds kDrainTime{2};
+constexpr std::chrono::seconds kNamePeriod{1};
 constexpr std::size_t kMaxCountedChannels = 10000;
 
 [[noreturn]] void Fail(const std::string& what) {
@@ -171,7 +172,7 @@ void Hub::DropFullOnes() {
     }
   }
   for (const int socket : late) {
-    dropped_.push_back(PeerName(clients_.at(socket)->port(), port_));
+    dropped_.push_back(NameOf(clients_.at(socket)->port()));
     Close(socket, fmt::format("has not kept up for {} ms", options_.patience.count()));
   }
 }
@@ -202,10 +203,20 @@ void Hub::Close(int socket, const std::string& why) {
   if (found == clients_.end()) return;
   if (!why.empty()) {
     fmt::print(stderr, "windhover-hub: warning: {} {}: disconnected\n",
-               PeerName(found->second->port(), port_), why);
+               NameOf(found->second->port()), why);
   }
   clients_.erase(found);
   Listen(true);
+}
+
+// Finding a process takes milliseconds: a crowd of bad clients must not stop the bus.
+std::string Hub::NameOf(std::uint16_t port) {
+  const auto now = HubClient::Clock::now();
+  if (now - last_named_ < kNamePeriod && port != last_named_port_)
+    return fmt::format("port {}", port);
+  last_named_ = now;
+  last_named_port_ = port;
+  return PeerName(port, port_);
 }
 
 std::string Hub::CountsJson() const {

@@ -57,6 +57,7 @@ class Hub {
   void ResumePaused();
   void Watch(HubClient& client);
   void Close(int socket, const std::string& why);
+  std::string NameOf(std::uint16_t port);
   bool IsFull(const HubClient& client) const;
   void Listen(bool on);
 
@@ -69,6 +70,8 @@ class Hub {
   std::map<std::string, Count> counts_;
   std::int64_t n_clients_ = 0;
   std::vector<std::string> dropped_;
+  HubClient::Clock::time_point last_named_{};
+  std::uint16_t last_named_port_ = 0;
 };
 
 }  // namespace windhover

@@ -148,6 +148,21 @@ void RunViewer(const std::string& url, const std::atomic<bool>& stop,
   while (!stop) bus.Handle(50);
 }
 
+// Wall-clock time of all ticks.
+double RunTicks(Lockstep* lockstep, int n_ticks) {
+  const auto start = Clock::now();
+  for (int k = 0; k < n_ticks; ++k) {
+    tick_t tick{};
+    tick.tick = k;
+    tick.utime = k * 50'000;
+    tick.phase = tick_t::PHASE_RUN;
+    lockstep->Step(tick);
+  }
+  const double wall_ms = Milliseconds(Clock::now() - start);
+  lockstep->End();
+  return wall_ms;
+}
+
 nlohmann::json MeasureLoss(const std::string& url, int n_frames) {
   std::atomic<int> n_estimator{0};
   std::atomic<int> n_viewer{0};
@@ -163,16 +178,7 @@ nlohmann::json MeasureLoss(const std::string& url, int n_frames) {
     bus.Publish("WARM_UP", tick_t{});
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  const auto start = Clock::now();
-  for (int k = 0; k < n_frames; ++k) {
-    tick_t tick{};
-    tick.tick = k;
-    tick.utime = k * 50'000;
-    tick.phase = tick_t::PHASE_RUN;
-    lockstep.Step(tick);
-  }
-  const double wall_ms = Milliseconds(Clock::now() - start);
-  lockstep.End();
+  const double wall_ms = RunTicks(&lockstep, n_frames);
   for (int i = 0; i < 200 && (logged.n_frames() < n_frames || n_viewer < n_frames); ++i) {
     bus.Publish("FLUSH", tick_t{});  // lcm-logger flushes when the next event comes
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

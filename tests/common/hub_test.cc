@@ -18,6 +18,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/file_descriptor.h"
+#include "common/bus/run_log.h"
 #include "common/bus/tcpq_protocol.h"
 #include "lcmtypes/image_t.hpp"
 #include "lcmtypes/tick_t.hpp"
@@ -257,6 +258,26 @@ TEST(Hub, WorksWithTheUnmodifiedLcmLogger) {
   const auto counts = nlohmann::json::parse(hub.ReadLine());
   EXPECT_EQ(counts["channels"]["TICK"]["in"], 1000);
   EXPECT_EQ(counts["channels"]["TICK"]["out"], 1000);
+}
+
+// LCM's own player reads the log and speaks to the hub: an oracle for both.
+TEST(Hub, WorksWithTheUnmodifiedLcmLogplayer) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "windhover_hub_test_play.lcm";
+  RunLogWriter log(file);
+  for (int i = 0; i < 1000; ++i) log.Write("TICK", 10 * i, TickNumber(i));
+  log.Flush();
+  HubThread hub;
+  Bus bus(hub.Url());
+  std::vector<int> ticks;
+  bool ready = false;
+  bus.Subscribe<tick_t>("TICK", [&](const tick_t& message) { ticks.push_back(message.tick); });
+  bus.Subscribe<tick_t>("READY", [&](const tick_t&) { ready = true; });
+  bus.Publish("READY", tick_t{});
+  HandleUntil(bus, [&] { return ready; });
+  ChildProcess player({"lcm-logplayer", "--lcm-url=" + hub.Url(), file.string()});
+  HandleUntil(bus, [&] { return ticks.size() == 1000; });
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(ticks[static_cast<std::size_t>(i)], i);
+  EXPECT_EQ(player.Wait(), 0);
 }
 
 TEST(TcpqBus, SaysWhatToDoWithoutAHub) {

@@ -254,5 +254,21 @@ TEST(LockstepOverTheHub, KeepsStepWithPeersInTheirOwnThreads) {
   second.join();
 }
 
+TEST(LockstepOverTheHub, NamesThePeerThatMissesTheDeadline) {
+  HubThread hub;
+  Bus bus(hub.Url());
+  Bus peer_bus(hub.Url());
+  TickClient peer(peer_bus, "render-0", kRun);
+  range_t never{};
+  peer.Require("RANGE_0", &never);
+  Lockstep lockstep(bus, kRun, {"swarm-0", "render-0"}, /*deadline_s=*/0.05);
+  const RunInvalid absent = InvalidFrom([&] { lockstep.WaitForPeers(0.05); });
+  EXPECT_EQ(absent.culprit, "render-0");
+  EXPECT_THAT(absent.reason, AllOf(HasSubstr("0.05 s"), HasSubstr("swarm-0")));
+  const RunInvalid silent = InvalidFrom([&] { lockstep.Step(TickNumber(3)); });
+  EXPECT_EQ(silent.culprit, "render-0");
+  EXPECT_THAT(silent.reason, HasSubstr("tick 3"));
+}
+
 }  // namespace
 }  // namespace windhover
