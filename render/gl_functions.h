@@ -46,6 +46,7 @@ namespace windhover {
   F(PFNGLPIXELSTOREIPROC, PixelStorei)                         \
   F(PFNGLREADPIXELSPROC, ReadPixels)                           \
   F(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)         \
+  F(PFNGLSCISSORPROC, Scissor)                                 \
   F(PFNGLSHADERSOURCEPROC, ShaderSource)                       \
   F(PFNGLUNIFORM4FPROC, Uniform4f)                             \
   F(PFNGLUSEPROGRAMPROC, UseProgram)                           \

@@ -13,8 +13,8 @@ constexpr float kPropellerRadius_m = 0.216f;
 constexpr float kDiscZ_m = 0.362f;
 constexpr float kBodyZ_m = 0.255f;
 
-const Vector3f kDark = ColourFromSrgb(38, 40, 43);
-const Vector3f kBlack = ColourFromSrgb(22, 23, 25);
+const Vector3f kDark = ColourFromSrgb(52, 54, 58);
+const Vector3f kBlack = ColourFromSrgb(34, 35, 38);
 const Vector3f kGrey = ColourFromSrgb(110, 112, 115);
 const Vector3f kLens = ColourFromSrgb(12, 14, 24);
 

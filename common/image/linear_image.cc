@@ -14,7 +14,7 @@ namespace windhover {
 namespace {
 
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
-constexpr std::size_t kMaxPixels = std::size_t{512} << 20;
+constexpr std::size_t kMaxPixels = std::size_t{128} << 20;
 
 [[noreturn]] void Fail(const InputFile& file, const std::string& what) {
   throw ConfigError(fmt::format("{}: {} (found '{}')", file.where, what, file.as_given));
@@ -38,7 +38,7 @@ cv::Mat Decode(const InputFile& file) {
   }
   if (image.empty()) Fail(file, "is not an image that can be decoded (PNG, JPEG, HDR, EXR)");
   if (image.channels() != 3) Fail(file, "image must have colour channels");
-  if (image.total() > kMaxPixels) Fail(file, "image is larger than 512 Mpx");
+  if (image.total() > kMaxPixels) Fail(file, "image is larger than 128 Mpx");
   return image;
 }
 

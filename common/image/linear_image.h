@@ -22,7 +22,7 @@ struct LinearImage {
 
 /// Reads PNG, JPEG (sRGB), Radiance HDR or OpenEXR (linear); values that are not finite or
 /// negative become 0.
-/// @throws ConfigError `where: …` if the file is missing, broken, or beyond 512 Mpx or 1 GiB.
+/// @throws ConfigError `where: …` if the file is missing, broken, or beyond 128 Mpx or 1 GiB.
 LinearImage ReadLinearImage(const InputFile& file);
 
 }  // namespace windhover

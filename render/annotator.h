@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "camera/pinhole_radtan.h"
+#include "lcmtypes/target_annotation_t.hpp"
+#include "render/target_pass.h"
+
+namespace windhover {
+
+/// What geometry alone says of a target in one camera of width × height px: its full box (around
+/// the projections of `outline_B`), centre and truncation. `visible` is the full box cut at the
+/// image's borders, `occlusion` 0: as if nothing else were there.
+target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B,
+                               const Eigen::Isometry3d& X_CB, const PinholeRadtan& camera,
+                               int width_px, int height_px);
+
+/// Replaces `visible` and `occlusion` of a view by what was drawn: the box around the samples of
+/// `layers[i]` that no layer after it (nearer) covers opaquely, and the share of those covered.
+void SetVisibility(std::span<const TargetLayer> layers, std::size_t i, target_view_t* view);
+
+}  // namespace windhover

@@ -1,0 +1,117 @@
+#include "render/background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "render/warp_kernel.h"
+
+namespace windhover {
+namespace {
+
+// The ray of a pixel, or of the nearest one towards the principal point that has a ray.
+Eigen::Vector3d RayOf(const PinholeRadtan& camera, const Eigen::Vector2d& q_px) {
+  const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
+  for (double share = 1; share > 0.01; share -= 0.02) {
+    if (const auto ray = camera.Unproject(centre + share * (q_px - centre))) return *ray;
+  }
+  return Eigen::Vector3d::UnitZ();
+}
+
+std::int32_t ToFixed(double texels) {
+  return static_cast<std::int32_t>(std::lround(texels * 65536));
+}
+
+}  // namespace
+
+RayGrid::RayGrid(const PinholeRadtan& lens, int width, int height)
+    : width_px(width),
+      height_px(height),
+      columns((width + kRayCell_px - 1) / kRayCell_px + 1),
+      rows((height + kRayCell_px - 1) / kRayCell_px + 1),
+      camera(lens) {
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      rays_C.push_back(RayOf(camera, Eigen::Vector2d(i, j) * kRayCell_px));
+    }
+  }
+}
+
+WarpGrid MakeWarpGrid(const RayGrid& grid, const Eigen::Matrix3d& R_WC, const RadianceMap& map,
+                      Chart chart, double u_near) {
+  WarpGrid warp{.places = {},
+                .u_min = 1e18,
+                .u_max = -1e18,
+                .v_min = 1e18,
+                .v_max = -1e18,
+                .near_pole = false,
+                .R_WC = R_WC,
+                .chart = chart};
+  warp.places.reserve(grid.rays_C.size());
+  for (const Eigen::Vector3d& ray_C : grid.rays_C) {
+    Eigen::Vector2d place = map.PlaceOf(R_WC * ray_C, chart);
+    place.x() -= std::round((place.x() - u_near) / map.Width()) * map.Width();
+    warp.u_min = std::min(warp.u_min, place.x());
+    warp.u_max = std::max(warp.u_max, place.x());
+    warp.v_min = std::min(warp.v_min, place.y());
+    warp.v_max = std::max(warp.v_max, place.y());
+    warp.places.push_back(place);
+  }
+  const double pole_margin = map.Width() / 36.0;  // 10°
+  warp.near_pole = warp.v_min < pole_margin || warp.v_max > map.Width() / 2.0 - pole_margin;
+  if (warp.near_pole) {  // The pole itself may be in view: all around it, up to it.
+    warp.u_min = u_near - map.Width() / 2.0 - 1;
+    warp.u_max = u_near + map.Width() / 2.0 + 1;
+    (warp.v_min < pole_margin ? warp.v_min : warp.v_max) =
+        warp.v_min < pole_margin ? 0 : map.Width() / 2.0;
+  }
+  return warp;
+}
+
+BackgroundWarp::BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const RadianceMap& map,
+                               const MapWindow& window)
+    : grid_(grid), warp_(warp), map_(map), window_(window) {
+  if (warp.u_min < window.u0 || warp.u_max > window.u0 + window.width - 2 ||
+      warp.v_min < window.v0 || warp.v_max > window.v0 + window.height - 2) {
+    throw std::logic_error("BackgroundWarp: the window does not cover the view");
+  }
+  nodes_.reserve(warp.places.size());
+  for (const Eigen::Vector2d& place : warp.places) {
+    nodes_.push_back({ToFixed(place.x() - window.u0), ToFixed(place.y() - window.v0)});
+  }
+}
+
+void BackgroundWarp::Row(int y, std::uint16_t* rgb) const {
+  if (warp_.near_pole) {
+    ExactRow(y, rgb);
+    return;
+  }
+  const int j = y / kRayCell_px, t = y % kRayCell_px;
+  const Node* above = nodes_.data() + static_cast<std::ptrdiff_t>(j) * grid_.columns;
+  const Node* below = above + grid_.columns;
+  const auto between = [t](std::int32_t a, std::int32_t b) {
+    return a + ((b - a) * t + kRayCell_px / 2) / kRayCell_px;
+  };
+  for (int i = 0; i + 1 < grid_.columns; ++i) {
+    const int x = i * kRayCell_px;
+    const WarpSpan span{.u0 = between(above[i].u, below[i].u),
+                        .v0 = between(above[i].v, below[i].v),
+                        .u1 = between(above[i + 1].u, below[i + 1].u),
+                        .v1 = between(above[i + 1].v, below[i + 1].v),
+                        .count = std::min(kRayCell_px, grid_.width_px - x)};
+    WarpPixels(window_, span, rgb + x * 3);
+  }
+}
+
+void BackgroundWarp::ExactRow(int y, std::uint16_t* rgb) const {
+  for (int x = 0; x < grid_.width_px; ++x) {
+    const Eigen::Vector3d d_W = warp_.R_WC * RayOf(grid_.camera, {x, y});
+    Eigen::Vector2d place = map_.PlaceOf(d_W, warp_.chart);
+    const double u_near = (warp_.u_min + warp_.u_max) / 2;
+    place.x() -= std::round((place.x() - u_near) / map_.Width()) * map_.Width();
+    const std::int32_t u = ToFixed(place.x() - window_.u0), v = ToFixed(place.y() - window_.v0);
+    WarpPixels(window_, {.u0 = u, .v0 = v, .u1 = u, .v1 = v, .count = 1}, rgb + x * 3);
+  }
+}
+
+}  // namespace windhover

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "camera/pinhole_radtan.h"
+#include "render/radiance_map.h"
+
+namespace windhover {
+
+/// Spacing of the grid on which rays are exact, px.
+inline constexpr int kRayCell_px = 16;
+
+/// The rays of one camera on a grid of its pixels, in C. They depend on the lens alone.
+class RayGrid {
+ public:
+  RayGrid(const PinholeRadtan& camera, int width_px, int height_px);
+
+  int width_px, height_px;
+  int columns, rows;  ///< Of nodes: pixel (16 i, 16 j), beyond the last pixel.
+  PinholeRadtan camera;
+  std::vector<Eigen::Vector3d> rays_C;  ///< Unit, row by row.
+};
+
+/// Where each node of a RayGrid looks in a RadianceMap, for one orientation of the camera.
+struct WarpGrid {
+  std::vector<Eigen::Vector2d> places;  ///< Map coordinates; u is continuous across the map's seam.
+  double u_min, u_max, v_min, v_max;    ///< Of all places.
+  bool near_pole;                       ///< So near that interpolating places is not allowed.
+  Eigen::Matrix3d R_WC;
+  Chart chart;
+};
+
+/// `u_near`: the turn of u that places are next to, so that cameras side by side share a window.
+WarpGrid MakeWarpGrid(const RayGrid& grid, const Eigen::Matrix3d& R_WC, const RadianceMap& map,
+                      Chart chart, double u_near);
+
+/// Draws the surroundings as a camera sees them, row by row.
+class BackgroundWarp {
+ public:
+  /// `window` must cover the places of `warp`; all must outlive this.
+  BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const RadianceMap& map,
+                 const MapWindow& window);
+
+  /// Writes the linear light of row `y`: width · 3 values, and one more that may be overwritten.
+  void Row(int y, std::uint16_t* rgb) const;
+
+ private:
+  /// Place in the window of a node, in 1/65536 texels.
+  struct Node {
+    std::int32_t u, v;
+  };
+  void ExactRow(int y, std::uint16_t* rgb) const;
+
+  const RayGrid& grid_;
+  const WarpGrid& warp_;
+  const RadianceMap& map_;
+  const MapWindow& window_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace windhover

@@ -1,0 +1,59 @@
+#include "render/eye_image.h"
+
+namespace windhover {
+namespace {
+
+void AddRow(const std::uint16_t* row, int count, std::uint32_t* sum) {
+  for (int i = 0; i < count; ++i) sum[i] += row[i];
+}
+
+void MeanRow(const std::uint32_t* sum, int count, std::size_t n, std::uint16_t* row) {
+  const float share = 1.0f / static_cast<float>(n);
+  for (int i = 0; i < count; ++i) {
+    const auto total = static_cast<float>(static_cast<std::int32_t>(sum[i]));
+    row[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(total * share + 0.5f));
+  }
+}
+
+void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
+  const PixelRect& roi = layer.roi;
+  if (y < roi.y0 || y >= roi.y0 + roi.height) return;
+  const auto* pixel = layer.pixels.data() + static_cast<std::ptrdiff_t>(y - roi.y0) * roi.width;
+  std::uint16_t* out = row + roi.x0 * 3;
+  for (int x = 0; x < roi.width; ++x, ++pixel, out += 3) {
+    const std::uint32_t through = 65535u - (*pixel)[3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t light = (*pixel)[c] + (out[c] * through + 32767u) / 65535u;
+      out[c] = static_cast<std::uint16_t>(light > 65535u ? 65535u : light);
+    }
+  }
+}
+
+}  // namespace
+
+RgbImage ComposeImage(std::span<const BackgroundWarp> backgrounds,
+                      std::span<const TargetLayer> layers, const Sensor& sensor,
+                      const NoiseKey& key, int width_px, int height_px) {
+  RgbImage image(width_px, height_px);
+  const int count = width_px * 3;
+  std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + 1);
+  std::vector<std::uint32_t> sum(static_cast<std::size_t>(count));
+  for (int y = 0; y < height_px; ++y) {
+    if (backgrounds.size() == 1) {
+      backgrounds[0].Row(y, row.data());
+    } else {
+      std::fill(sum.begin(), sum.end(), 0);
+      for (const BackgroundWarp& background : backgrounds) {
+        background.Row(y, row.data());
+        AddRow(row.data(), count, sum.data());
+      }
+      MeanRow(sum.data(), count, backgrounds.size(), row.data());
+    }
+    for (const TargetLayer& layer : layers) BlendRow(layer, y, row.data());
+    sensor.AddNoise(key, y, count, row.data());
+    sensor.Transfer(row.data(), count, image.Row(y));
+  }
+  return image;
+}
+
+}  // namespace windhover

@@ -1,0 +1,78 @@
+#include "render/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/rotation.h"
+#include "common/time/sim_time.h"
+
+namespace windhover {
+namespace {
+
+using Eigen::Vector3d;
+
+double TurnRad(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle(); }
+
+// Longest way that the axes of either camera go between neighbouring moments, summed: px.
+double RigMotionPx(const RigMotion& rig, double t_s, double duration_s, double focal_px) {
+  constexpr int kSteps = 8;
+  double left_rad = 0, right_rad = 0;
+  PosedStereoRig before = rig.At(t_s - duration_s / 2);
+  for (int i = 1; i <= kSteps; ++i) {
+    const PosedStereoRig now = rig.At(t_s + duration_s * (static_cast<double>(i) / kSteps - 0.5));
+    left_rad += TurnRad(before.left.X_RC.linear().transpose() * now.left.X_RC.linear());
+    right_rad += TurnRad(before.right.X_RC.linear().transpose() * now.right.X_RC.linear());
+    before = now;
+  }
+  return std::max(left_rad, right_rad) * focal_px;
+}
+
+double TargetSpeedRadps(const uav_truth_t& observer, const uav_truth_t& target) {
+  const Vector3d offset_m = Vector3d(target.p_WB_m) - Vector3d(observer.p_WB_m);
+  const Vector3d v_mps = Vector3d(target.v_WB_mps) - Vector3d(observer.v_WB_mps);
+  constexpr double kRadius_m = 0.5;  // Of an aircraft, for its own turning.
+  return (v_mps.norm() + Vector3d(target.w_WB_B_radps).norm() * kRadius_m) /
+         std::max(offset_m.norm(), 1.0);
+}
+
+}  // namespace
+
+Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s) {
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  X_WB.translation() = Vector3d(truth.p_WB_m) + dt_s * Vector3d(truth.v_WB_mps);
+  X_WB.linear() =
+      Eigen::Quaterniond(truth.qw, truth.qx, truth.qy, truth.qz).normalized().toRotationMatrix() *
+      RotationFromVector(dt_s * Vector3d(truth.w_WB_B_radps));
+  return X_WB;
+}
+
+ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& world,
+                          std::size_t observer, const RigMotion& rig, double focal_px) {
+  const double duration_s = config.duration_ms * 1e-3;
+  const uav_truth_t& self = world.uavs[observer];
+  double speed_radps = 0;
+  for (std::size_t i = 0; i < world.uavs.size(); ++i) {
+    if (i != observer) speed_radps = std::max(speed_radps, TargetSpeedRadps(self, world.uavs[i]));
+  }
+  speed_radps += Vector3d(self.w_WB_B_radps).norm();
+  const double motion_px = RigMotionPx(rig, SecondsFromUtime(world.utime), duration_s, focal_px) +
+                           speed_radps * duration_s * focal_px;
+  int count = static_cast<int>(
+      std::clamp(std::ceil(motion_px / config.max_blur_px), 1.0, 1.0 * config.max_samples));
+  if (count % 2 == 0) count += count < config.max_samples ? 1 : -1;
+  ExposurePlan plan;
+  for (int i = 0; i < count; ++i) {
+    plan.offsets_s.push_back(duration_s * ((i + 0.5) / count - 0.5));
+  }
+  plan.offsets_s[static_cast<std::size_t>(count / 2)] = 0;
+  return plan;
+}
+
+WorldCameras CamerasAt(const world_truth_t& world, std::size_t observer,
+                       const Eigen::Isometry3d& X_BR, const RigMotion& rig, double dt_s) {
+  const Eigen::Isometry3d X_WR = PoseAt(world.uavs[observer], dt_s) * X_BR;
+  const PosedStereoRig posed = rig.At(SecondsFromUtime(world.utime) + dt_s);
+  return {posed.left.camera, posed.right.camera, X_WR * posed.left.X_RC, X_WR * posed.right.X_RC};
+}
+
+}  // namespace windhover

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace windhover {
+
+// What procedural outdoor scenes are made of. All lengths in metres; z is above the ground.
+
+/// One look at a scene from `eye_height_m` above the origin of the ground.
+struct SceneRay {
+  Eigen::Vector3f d_W;  ///< Unit direction.
+  float azimuth_rad;
+  float slope;  ///< tan of the elevation.
+  float footprint_rad;
+  float eye_height_m;
+
+  /// Height above the ground at horizontal distance `distance_m`.
+  float HeightAt(float distance_m) const { return eye_height_m + distance_m * slope; }
+};
+
+/// Colour of the air far away, towards which distance fades everything.
+Eigen::Vector3f HazeColour();
+
+/// `colour` seen through `distance_m` of air.
+Eigen::Vector3f Hazed(const Eigen::Vector3f& colour, float distance_m);
+
+/// `over` in front of `*colour`, opaque for coverage 1.
+inline void Blend(const Eigen::Vector3f& over, float coverage, Eigen::Vector3f* colour) {
+  *colour += coverage * (over - *colour);
+}
+
+/// Blue sky with clouds and a sun.
+struct Sky {
+  Eigen::Vector3f sun_direction_W;
+  float cloud_cover = 0.5f;
+  Eigen::Vector3f Radiance(const SceneRay& ray) const;
+};
+
+/// A ring of trees.
+struct TreeRow {
+  float distance_m, spacing_m, min_height_m, max_height_m;
+  float trunk_share;  ///< Height of the lowest leaves over the tree's height.
+  Eigen::Vector3f leaf_colour;
+  std::uint32_t seed;
+  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+};
+
+/// A ring of buildings with windows.
+struct BuildingRow {
+  float distance_m, plot_m, min_height_m, max_height_m;
+  float gap_share;  ///< Share of plots that are empty.
+  std::uint32_t seed;
+  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+};
+
+/// A ring of fence: posts, a top rail and wire mesh.
+struct Fence {
+  float distance_m, height_m, post_spacing_m;
+  Eigen::Vector3f wire_colour;
+  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+};
+
+/// Thin upright things at given places: floodlights, lamp posts.
+struct Mast {
+  float azimuth_deg, distance_m, height_m, radius_m;
+  float head_width_m, head_height_m;  ///< A box on top.
+  Eigen::Vector3f colour;
+  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+};
+
+/// A basketball hoop that faces the eye: backboard, square, ring, net and post.
+struct Hoop {
+  float azimuth_deg, distance_m;
+  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+};
+
+}  // namespace windhover

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "render/environment.h"
+
+namespace windhover {
+
+/// Which way an equirectangular map of the surroundings lies: its pole is W's up axis, or W's
+/// north axis for cameras that look steeply up or down.
+enum class Chart { kUpright, kLying };
+
+/// The chart whose pole is far from the direction `d_W`.
+Chart ChartFor(const Eigen::Vector3d& d_W);
+
+/// Red, green, blue and nothing; 65535 is white, linear.
+using Texel = std::array<std::uint16_t, 4>;
+
+/// A rectangle of a map's texels, contiguous in memory.
+struct MapWindow {
+  Chart chart = Chart::kUpright;
+  int u0 = 0, v0 = 0;         ///< Map coordinates of its first texel; u0 is not wrapped.
+  int width = 0, height = 0;  ///< Texels.
+  std::vector<Texel> texels;  ///< Rows from the top.
+
+  const Texel* Row(int v) const {
+    return texels.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
+  }
+};
+
+/// An equirectangular map of an environment at the resolution of a lens, computed tile by tile
+/// where cameras look. A texel is a function of its place alone, so any order of use gives the
+/// same map.
+class RadianceMap {
+ public:
+  /// `focal_px`: of the lens, its pixels per radian. The map has up to 0.9 texels a pixel, so
+  /// that linear interpolation between texels does not alias.
+  RadianceMap(const Environment& environment, double focal_px);
+
+  int Width() const { return width_; }
+  double TexelsPerRad() const { return width_ / (2 * EIGEN_PI); }
+
+  /// Where the map shows direction `d_W`: u in [-Width/2, Width/2], v from 0 (the pole) to
+  /// Width/2; whole numbers are texel centres.
+  Eigen::Vector2d PlaceOf(const Eigen::Vector3d& d_W, Chart chart) const;
+  /// The direction shown at (u, v).
+  Eigen::Vector3d DirectionAt(double u, double v, Chart chart) const;
+
+  /// Makes `*window` hold all texels of [u_min, u_max] × [v_min, v_max], and some around; does
+  /// nothing if it already does. Computes missing tiles on `threads` threads.
+  void Cover(Chart chart, int u_min, int u_max, int v_min, int v_max, int threads,
+             MapWindow* window);
+
+ private:
+  struct TileKey {
+    Chart chart;
+    int column, row;
+    auto operator<=>(const TileKey&) const = default;
+  };
+  using Tile = std::vector<Texel>;
+
+  void ComputeTiles(const std::vector<TileKey>& keys, int threads);
+  Tile ComputeTile(const TileKey& key) const;
+  Texel ComputeTexel(int u, int v, Chart chart) const;
+  void CopyTile(const TileKey& key, int unwrapped_column, MapWindow* window) const;
+
+  const Environment& environment_;
+  int width_;
+  std::map<TileKey, Tile> tiles_;
+};
+
+}  // namespace windhover

@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/process/process.h"
+#include "render/render_node.h"
+#include "render/self_test.h"
+#include "render/snapshot.h"
+
+namespace windhover {
+namespace {
+
+constexpr char kName[] = "windhover-render";
+constexpr char kPurpose[] = "renders what the stereo rig of each aircraft sees";
+constexpr int kEnvironmentMissing = 4;
+
+void RunNode(const ProcessArgs& args) {
+  const Scenario scenario = LoadScenario(args.scenario_file);
+  Bus bus(args.url);
+  TickClient client(bus, fmt::format("render-{}", args.share.index), args.run_id);
+  const RenderNode node(scenario, args.share, args.threads, client, args.preview);
+  while (!client.Ended() && !StopRequested()) {
+    client.Announce();
+    bus.Handle(/*timeout_ms=*/100);
+  }
+}
+
+int RunSnapshot(int argc, char** argv) {
+  std::string scenario_file, truth_file, out = ".";
+  std::vector<std::string> overrides;
+  double t_s = 0;
+  int threads = 1;
+  CLI::App app("renders one instant: left.png, right.png, labels.json", kName);
+  app.add_option("--snapshot", scenario_file, "scenario")->required();
+  app.add_option("--time", t_s, "simulated time, s")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--truth", truth_file, "encoded world_truth_t; default: the start positions");
+  app.add_option("--out", out, "folder to write to");
+  app.add_option("--set", overrides, "overrides: a.b.c=value");
+  app.add_option("--threads", threads, "threads to work with")->check(CLI::Range(1, 1024));
+  return RunProgram(app, argc, argv, [&] {
+    const Scenario scenario = LoadScenario(scenario_file, overrides);
+    const world_truth_t world =
+        truth_file.empty() ? StartWorld(scenario, t_s) : ReadWorld(truth_file);
+    WriteSnapshot(scenario, world, threads, out);
+  });
+}
+
+int RunSelfTest() {
+  try {
+    fmt::print("{}\n", RunGlSelfTest());
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: error: {}\n", kName, error.what());
+    return kEnvironmentMissing;
+  }
+}
+
+bool HasFlag(int argc, char** argv, std::string_view flag) {
+  return std::any_of(argv + 1, argv + argc, [flag](const char* argument) {
+    return std::string_view(argument).substr(0, flag.size()) == flag;
+  });
+}
+
+}  // namespace
+}  // namespace windhover
+
+int main(int argc, char** argv) {
+  if (windhover::HasFlag(argc, argv, "--self-test")) return windhover::RunSelfTest();
+  if (windhover::HasFlag(argc, argv, "--snapshot")) return windhover::RunSnapshot(argc, argv);
+  return windhover::RunProcess(windhover::kName, windhover::kPurpose, argc, argv,
+                               windhover::RunNode);
+}

@@ -1,0 +1,109 @@
+#include "render/render_node.h"
+
+#include <array>
+
+#include <xxhash.h>
+
+#include "common/bus/channels.h"
+#include "common/bus/truth_channels.h"
+#include "lcmtypes/frame_digest_t.hpp"
+#include "lcmtypes/stereo_frame_t.hpp"
+#include "render/box_detector.h"
+
+namespace windhover {
+namespace {
+
+void SetDigest(const RgbImage& image, std::int64_t (&digest)[2]) {
+  const XXH128_hash_t hash = XXH3_128bits(image.pixels.data(), image.pixels.size());
+  digest[0] = static_cast<std::int64_t>(hash.high64);
+  digest[1] = static_cast<std::int64_t>(hash.low64);
+}
+
+frame_digest_t DigestOf(const RenderedPair& pair, int tick) {
+  frame_digest_t digest{};
+  digest.utime = pair.annotation.utime;
+  digest.tick = tick;
+  digest.observer_id = pair.annotation.observer_id;
+  digest.width = pair.left.width_px;
+  digest.height = pair.left.height_px;
+  digest.pixelformat = image_t::PIXEL_FORMAT_RGB;
+  SetDigest(pair.left, digest.left_xxh3);
+  SetDigest(pair.right, digest.right_xxh3);
+  return digest;
+}
+
+}  // namespace
+
+std::vector<int> OwnedObservers(const Scenario& scenario, const ProcessShare& share) {
+  std::vector<int> owned;
+  for (int i = 0; i < static_cast<int>(scenario.aircraft.size()); ++i) {
+    if (share.Owns(i) && scenario.aircraft[static_cast<std::size_t>(i)].self.carries_rig) {
+      owned.push_back(i);
+    }
+  }
+  return owned;
+}
+
+RenderNode::RenderNode(const Scenario& scenario, const ProcessShare& share, int threads,
+                       TickClient& client, bool preview)
+    : scenario_(scenario), preview_(preview), client_(client) {
+  const std::vector<int> observers = OwnedObservers(scenario, share);
+  if (scenario.observe == Observe::kImage || scenario.observe == Observe::kAnnotated) {
+    renderer_ = std::make_unique<StereoRenderer>(scenario, observers, threads);
+  } else {
+    geometry_ = std::make_unique<SceneGeometry>(scenario, observers);
+  }
+  client_.Require(channel::kUavTruth, &world_);
+  client_.OnTick([this](const tick_t& tick) { OnTick(tick.tick); });
+}
+
+void RenderNode::OnTick(int tick) {
+  if (renderer_ != nullptr) {
+    std::vector<RenderedPair> pairs;
+    {
+      const StageTimer::Scope timing = client_.Timer().Start("render");
+      pairs = renderer_->Render(world_, tick);
+    }
+    for (RenderedPair& pair : pairs) PublishPixels(std::move(pair), tick);
+    return;
+  }
+  const StageTimer::Scope timing = client_.Timer().Start("render");
+  geometry_->CheckWorld(world_);
+  for (std::size_t i = 0; i < geometry_->Observers().size(); ++i) {
+    PublishGeometry(geometry_->Annotate(world_, i), tick);
+  }
+}
+
+void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
+  const int id = pair.annotation.observer_id;
+  client_.Publish(channel::FrameDigest(id), DigestOf(pair, tick));
+  client_.Publish(channel::Annotation(id), pair.annotation);
+  if (scenario_.observe == Observe::kAnnotated) {
+    client_.Publish(channel::Detection(id), DetectVisible(pair.annotation));
+  }
+  stereo_frame_t frame{};
+  frame.utime = pair.annotation.utime;
+  frame.tick = tick;
+  frame.observer_id = id;
+  frame.exposure_s = scenario_.exposure.duration_ms * 1e-3;
+  frame.left = MessageFromImage(std::move(pair.left), frame.utime);
+  frame.right = MessageFromImage(std::move(pair.right), frame.utime);
+  client_.Publish(channel::Stereo(id), frame);
+  if (preview_) {
+    client_.Publish(channel::ImageLeft(id), frame.left);
+    client_.Publish(channel::ImageRight(id), frame.right);
+  }
+}
+
+void RenderNode::PublishGeometry(const annotation_t& annotation, int tick) {
+  const int id = annotation.observer_id;
+  const CalibratedRig& rig = scenario_.rig.calibrated;
+  client_.Publish(channel::Annotation(id), annotation);
+  client_.Publish(channel::Detection(id),
+                  scenario_.observe == Observe::kTruth
+                      ? DetectTruth(annotation, rig.ToStereoRig())
+                      : DetectGeometric(annotation, scenario_.geometric, scenario_.random_seed,
+                                        tick, rig.image[0], rig.image[1]));
+}
+
+}  // namespace windhover

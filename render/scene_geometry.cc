@@ -1,0 +1,85 @@
+#include "render/scene_geometry.h"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "render/aircraft_meshes.h"
+#include "render/annotator.h"
+#include "render/motion.h"
+
+namespace windhover {
+namespace {
+
+std::shared_ptr<const AircraftShape> ShapeFrom(AircraftModel model) {
+  auto shape = std::make_shared<AircraftShape>();
+  shape->radius_m = 0;
+  std::vector<Eigen::Vector3f> points = model.body.positions;
+  points.insert(points.end(), model.rotor_discs.positions.begin(),
+                model.rotor_discs.positions.end());
+  for (const std::uint32_t i : ExtremeVertices(points)) {
+    shape->outline_B.push_back(points[i].cast<double>());
+    shape->radius_m = std::max(shape->radius_m, shape->outline_B.back().norm());
+  }
+  shape->model = std::move(model);
+  return shape;
+}
+
+}  // namespace
+
+SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& observers)
+    : width_px_(scenario.rig.calibrated.image[0]), height_px_(scenario.rig.calibrated.image[1]) {
+  std::map<AircraftType, std::shared_ptr<const AircraftShape>> of_type;
+  for (const Aircraft& aircraft : scenario.aircraft) {
+    ids_.push_back(aircraft.self.id);
+    std::shared_ptr<const AircraftShape> shape = of_type[aircraft.type];
+    if (shape == nullptr) shape = ShapeFrom(MakeAircraftModel(aircraft));
+    if (aircraft.type != AircraftType::kMesh) of_type[aircraft.type] = shape;
+    shapes_.push_back(std::move(shape));
+  }
+  for (const int place : observers) {
+    const auto position = static_cast<std::size_t>(place);
+    const CalibratedRig& rig = scenario.rig.calibrated;
+    observers_.push_back(
+        {position, ids_[position], rig.X_BR(),
+         RigMotion(rig.ToStereoRig(), scenario.rig.misalignment, scenario.flex, scenario.vibration,
+                   scenario.random_seed, fmt::format("uav{}", ids_[position]))});
+  }
+}
+
+void SceneGeometry::CheckWorld(const world_truth_t& world) const {
+  bool fits = world.uavs.size() == ids_.size();
+  for (std::size_t i = 0; fits && i < ids_.size(); ++i) fits = world.uavs[i].id == ids_[i];
+  if (!fits) throw std::runtime_error("UAV_TRUTH does not hold the aircraft of the scenario");
+}
+
+annotation_t SceneGeometry::Annotate(const world_truth_t& world, std::size_t observer) const {
+  const ObserverRig& rig = observers_[observer];
+  const Eigen::Isometry3d X_RW = (PoseAt(world.uavs[rig.position], 0) * rig.X_BR).inverse();
+  const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, 0);
+  const Eigen::Isometry3d X_LW = cameras.X_WL.inverse(), X_RightW = cameras.X_WR.inverse();
+  annotation_t annotation{};
+  annotation.utime = world.utime;
+  annotation.observer_id = rig.id;
+  for (std::size_t i = 0; i < world.uavs.size(); ++i) {
+    if (i == rig.position) continue;
+    target_annotation_t target{};
+    target.target_id = ids_[i];
+    const Eigen::Isometry3d X_WT = PoseAt(world.uavs[i], 0);
+    const Eigen::Vector3d p_RT_m = X_RW * X_WT.translation();
+    Eigen::Map<Eigen::Vector3d>(target.p_RT_m) = p_RT_m;
+    target.range_m = p_RT_m.norm();
+    target.depth_m = p_RT_m.z();
+    const std::vector<Eigen::Vector3d>& outline_B = shapes_[i]->outline_B;
+    target.left = ViewFromGeometry(outline_B, X_LW * X_WT, cameras.left, width_px_, height_px_);
+    target.right =
+        ViewFromGeometry(outline_B, X_RightW * X_WT, cameras.right, width_px_, height_px_);
+    annotation.targets.push_back(target);
+  }
+  annotation.n_targets = static_cast<std::int32_t>(annotation.targets.size());
+  return annotation;
+}
+
+}  // namespace windhover

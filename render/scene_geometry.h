@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "lcmtypes/annotation_t.hpp"
+#include "lcmtypes/world_truth_t.hpp"
+#include "render/mesh.h"
+#include "rig/rig_motion.h"
+#include "scenarios/scenario.h"
+
+namespace windhover {
+
+/// What an aircraft looks like, and the points that can bound its silhouette.
+struct AircraftShape {
+  AircraftModel model;
+  std::vector<Eigen::Vector3d> outline_B;  ///< Of body and propellers, m.
+  double radius_m;                         ///< Of a ball about B's origin that holds it all.
+};
+
+/// The true rig of one aircraft.
+struct ObserverRig {
+  std::size_t position;  ///< In scenario.aircraft.
+  int id;
+  Eigen::Isometry3d X_BR;
+  RigMotion motion;
+};
+
+/// Everything about a scenario's targets that needs no pixels.
+class SceneGeometry {
+ public:
+  /// `observers`: positions in scenario.aircraft of the aircraft whose rigs are of interest.
+  /// @throws ConfigError if a mesh or a vibration file cannot be used.
+  SceneGeometry(const Scenario& scenario, const std::vector<int>& observers);
+
+  const std::vector<ObserverRig>& Observers() const { return observers_; }
+  const AircraftShape& ShapeOf(std::size_t position) const { return *shapes_[position]; }
+
+  /// @throws std::runtime_error if `world` does not hold the scenario's aircraft in its order.
+  void CheckWorld(const world_truth_t& world) const;
+
+  /// The truth about every other aircraft as `Observers()[observer]` sees it at the world's
+  /// utime, as if nothing hid anything (ViewFromGeometry).
+  annotation_t Annotate(const world_truth_t& world, std::size_t observer) const;
+
+ private:
+  std::vector<int> ids_;
+  int width_px_, height_px_;
+  std::vector<std::shared_ptr<const AircraftShape>> shapes_;  ///< One an aircraft.
+  std::vector<ObserverRig> observers_;
+};
+
+}  // namespace windhover

@@ -1,0 +1,78 @@
+#include "render/sensor.h"
+
+#include <cmath>
+
+#include "common/image/srgb.h"
+#include "common/random/random_stream.h"
+
+namespace windhover {
+namespace {
+
+constexpr float kWhite = 65535;
+constexpr int kTableShift = 3;
+
+struct NoiseParameters {
+  std::uint32_t key0, key1;
+  float variance_per_light, read_variance;
+};
+
+// Integers, and floats whose every operation IEEE 754 rounds exactly: the same bits at any width.
+// Hash: C. Wellons, "Prospecting for Hash Functions", 2018 (lowbias32).
+__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void AddNoiseToRow(
+    const NoiseParameters& parameters, int count, std::uint16_t* linear) {
+  const NoiseParameters p = parameters;
+  // Sum of eight uniform bytes: mean 1020, variance 8 (2^16 - 1) / 12.
+  constexpr float kMean = 1020, kPerSigma = 1 / 209.022f;
+  for (int i = 0; i < count; ++i) {
+    std::uint32_t h = (static_cast<std::uint32_t>(i) * 0x9e3779b9u) ^ p.key0;
+    h = (h ^ (h >> 16)) * 0x7feb352du;
+    h = (h ^ (h >> 15)) * 0x846ca68bu;
+    h ^= h >> 16;
+    std::uint32_t g = (h ^ p.key1) * 0x21f0aaadu;
+    g = (g ^ (g >> 15)) * 0xd35a2d97u;
+    g ^= g >> 15;
+    const std::uint32_t pairs =
+        (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu) + (g & 0x00ff00ffu) + ((g >> 8) & 0x00ff00ffu);
+    const auto sum = static_cast<std::int32_t>((pairs & 0xffffu) + (pairs >> 16));
+    const auto light = static_cast<float>(static_cast<std::int32_t>(linear[i]));
+    const float sigma = std::sqrt(light * p.variance_per_light + p.read_variance);
+    const float noise = sigma * ((static_cast<float>(sum) - kMean) * kPerSigma);
+    // Shifted so that truncation rounds to nearest on both sides of 0.
+    std::int32_t noisy = static_cast<std::int32_t>(light + noise + 65536.5f) - 65536;
+    noisy = noisy < 0 ? 0 : noisy;
+    linear[i] = static_cast<std::uint16_t>(noisy > 65535 ? 65535 : noisy);
+  }
+}
+
+}  // namespace
+
+Sensor::Sensor(const SensorConfig& config)
+    : noise_(config.noise),
+      variance_per_light_(static_cast<float>(kWhite / config.full_well_e)),
+      read_variance_(
+          static_cast<float>(std::pow(kWhite / config.full_well_e * config.read_noise_e, 2))) {
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const double light =
+        std::min(1.0, ((static_cast<double>(i) + 0.5) * (1 << kTableShift)) / kWhite);
+    table_[i] = static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(light)));
+  }
+  table_[0] = 0;
+}
+
+void Sensor::AddNoise(const NoiseKey& key, int row, int count, std::uint16_t* linear) const {
+  if (!noise_) return;
+  RandomStream stream(key.seed, "render/sensor");
+  stream.Seek((static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.tick)) << 32) ^
+              (static_cast<std::uint64_t>(key.aircraft_id) << 18) ^
+              (static_cast<std::uint64_t>(key.eye) << 17) ^ static_cast<std::uint64_t>(row));
+  const std::uint64_t bits = stream();
+  AddNoiseToRow({static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32),
+                 variance_per_light_, read_variance_},
+                count, linear);
+}
+
+void Sensor::Transfer(const std::uint16_t* linear, int count, std::uint8_t* srgb) const {
+  for (int i = 0; i < count; ++i) srgb[i] = table_[linear[i] >> kTableShift];
+}
+
+}  // namespace windhover

@@ -1,0 +1,197 @@
+#include "render/stereo_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "render/annotator.h"
+#include "render/eye_image.h"
+#include "render/parallel_for.h"
+
+namespace windhover {
+namespace {
+
+bool IsInImage(const target_view_t& view) { return view.visible.w_px > 0 && view.visible.h_px > 0; }
+
+}  // namespace
+
+/// One camera of one observer during one frame.
+struct StereoRenderer::Eye {
+  int index = 0;  ///< 0 left, 1 right.
+  Observer* observer = nullptr;
+  std::optional<RayGrid> rays;
+  PinholeRadtan camera;
+  std::vector<Eigen::Isometry3d> X_WC;  ///< One a sub-exposure.
+  std::vector<WarpGrid> warps;
+};
+
+struct StereoRenderer::Observer {
+  Observer(const ObserverRig& observer_rig, std::size_t observer_index)
+      : rig(observer_rig), index(observer_index) {
+    eyes[1].index = 1;
+    for (Eye& eye : eyes) eye.observer = this;
+  }
+
+  /// The annotation's entry of the aircraft at `position` of the scenario.
+  target_annotation_t& TargetAt(std::size_t position) {
+    return annotation.targets[position - (position > rig.position ? 1 : 0)];
+  }
+  target_view_t& ViewOf(std::size_t position, const Eye& eye) {
+    return eye.index == 0 ? TargetAt(position).left : TargetAt(position).right;
+  }
+
+  const ObserverRig& rig;
+  std::size_t index;
+  std::array<Eye, 2> eyes;
+  MapWindow window;
+
+  // Of the frame being rendered.
+  ExposurePlan plan;
+  Chart chart{};
+  double u_near = 0;
+  annotation_t annotation{};
+  std::vector<std::size_t> far_to_near;  ///< Positions of the other aircraft.
+  std::vector<ShadedTarget> shaded;      ///< In that order; without a model if out of view.
+};
+
+StereoRenderer::StereoRenderer(const Scenario& scenario, const std::vector<int>& observers,
+                               int threads)
+    : scenario_(scenario),
+      threads_(std::max(threads, 1)),
+      geometry_(scenario, observers),
+      environment_(MakeEnvironment(scenario.environment)),
+      light_(scenario.environment, *environment_),
+      map_(*environment_, scenario.rig.calibrated.FocalPx()),
+      sensor_(scenario.sensor),
+      passes_(static_cast<std::size_t>(threads_)) {
+  for (std::size_t i = 0; i < scenario.aircraft.size(); ++i) {
+    const AircraftShape& shape = geometry_.ShapeOf(i);
+    models_.try_emplace(&shape, shape.model, shape.radius_m);
+  }
+  for (std::size_t i = 0; i < geometry_.Observers().size(); ++i) {
+    observers_.push_back(std::make_unique<Observer>(geometry_.Observers()[i], i));
+  }
+}
+
+StereoRenderer::~StereoRenderer() = default;
+
+// Everything of a frame that both eyes share.
+void StereoRenderer::PlanObserver(const world_truth_t& world, Observer* observer) const {
+  const ObserverRig& rig = observer->rig;
+  observer->annotation = geometry_.Annotate(world, observer->index);
+  observer->plan = PlanExposure(scenario_.exposure, world, rig.position, rig.motion,
+                                scenario_.rig.calibrated.FocalPx());
+  const Eigen::Vector3d axis_W = (PoseAt(world.uavs[rig.position], 0) * rig.X_BR).linear().col(2);
+  observer->chart = ChartFor(axis_W);
+  observer->u_near = map_.PlaceOf(axis_W, observer->chart).x();
+  for (Eye& eye : observer->eyes) eye.X_WC.clear();
+  for (const double dt_s : observer->plan.offsets_s) {
+    const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, dt_s);
+    observer->eyes[0].camera = cameras.left;
+    observer->eyes[1].camera = cameras.right;
+    observer->eyes[0].X_WC.push_back(cameras.X_WL);
+    observer->eyes[1].X_WC.push_back(cameras.X_WR);
+  }
+  observer->far_to_near.clear();
+  for (std::size_t i = 0; i < world.uavs.size(); ++i) {
+    if (i != rig.position) observer->far_to_near.push_back(i);
+  }
+  std::stable_sort(observer->far_to_near.begin(), observer->far_to_near.end(),
+                   [observer](std::size_t a, std::size_t b) {
+                     return observer->TargetAt(a).range_m > observer->TargetAt(b).range_m;
+                   });
+}
+
+void StereoRenderer::PrepareEye(Eye* eye) const {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  if (!eye->rays) eye->rays.emplace(eye->camera, width_px, height_px);
+  eye->warps.clear();
+  for (const Eigen::Isometry3d& X_WC : eye->X_WC) {
+    eye->warps.push_back(
+        MakeWarpGrid(*eye->rays, X_WC.linear(), map_, eye->observer->chart, eye->observer->u_near));
+  }
+}
+
+void StereoRenderer::CoverViews(Observer* observer) {
+  double u_min = 1e18, u_max = -1e18, v_min = 1e18, v_max = -1e18;
+  for (const Eye& eye : observer->eyes) {
+    for (const WarpGrid& warp : eye.warps) {
+      u_min = std::min(u_min, warp.u_min);
+      u_max = std::max(u_max, warp.u_max);
+      v_min = std::min(v_min, warp.v_min);
+      v_max = std::max(v_max, warp.v_max);
+    }
+  }
+  const auto low = [](double v) { return static_cast<int>(std::floor(v)) - 1; };
+  const auto high = [](double v) { return static_cast<int>(std::ceil(v)) + 2; };
+  map_.Cover(observer->chart, low(u_min), high(u_max), low(v_min), high(v_max), threads_,
+             &observer->window);
+}
+
+void StereoRenderer::ShadeTargets(const world_truth_t& world, Observer* observer) const {
+  observer->shaded.assign(observer->far_to_near.size(), ShadedTarget{});
+  for (std::size_t k = 0; k < observer->far_to_near.size(); ++k) {
+    const std::size_t i = observer->far_to_near[k];
+    const AircraftShape& shape = geometry_.ShapeOf(i);
+    const target_annotation_t& target = observer->TargetAt(i);
+    // Very near, the outline may be in part where no camera can project it.
+    const bool may_be_seen =
+        target.range_m < 3 * shape.radius_m || IsInImage(target.left) || IsInImage(target.right);
+    if (!may_be_seen) continue;
+    const PreparedModel& model = models_.at(&shape);
+    const DetailLevel& level = model.LevelFor(target.depth_m, scenario_.rig.calibrated.FocalPx());
+    observer->shaded[k] = Shade(model, level, PoseAt(world.uavs[i], 0).linear(), light_);
+  }
+}
+
+RgbImage StereoRenderer::RenderEye(const world_truth_t& world, int tick, Eye* eye,
+                                   TargetPass* pass) const {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  Observer& observer = *eye->observer;
+  std::vector<TargetLayer> layers(observer.shaded.size());
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    if (observer.shaded[k].model == nullptr) continue;
+    const uav_truth_t& truth = world.uavs[observer.far_to_near[k]];
+    std::vector<Eigen::Isometry3d> X_CB;
+    for (std::size_t n = 0; n < eye->X_WC.size(); ++n) {
+      X_CB.push_back(eye->X_WC[n].inverse() * PoseAt(truth, observer.plan.offsets_s[n]));
+    }
+    layers[k] = pass->Draw(observer.shaded[k], eye->camera, width_px, height_px, X_CB);
+  }
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    target_view_t& view = observer.ViewOf(observer.far_to_near[k], *eye);
+    if (view.in_front != 0) SetVisibility(layers, k, &view);
+  }
+  std::vector<BackgroundWarp> backgrounds;
+  for (const WarpGrid& warp : eye->warps) {
+    backgrounds.emplace_back(*eye->rays, warp, map_, observer.window);
+  }
+  const NoiseKey key{scenario_.random_seed, observer.rig.id, eye->index, tick};
+  return ComposeImage(backgrounds, layers, sensor_, key, width_px, height_px);
+}
+
+std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int tick) {
+  geometry_.CheckWorld(world);
+  const auto eye_of = [this](int task) {
+    return &observers_[static_cast<std::size_t>(task / 2)]
+                ->eyes[static_cast<std::size_t>(task % 2)];
+  };
+  const int n_observers = static_cast<int>(observers_.size());
+  ParallelFor(n_observers, threads_,
+              [&](int i, int) { PlanObserver(world, eye_of(2 * i)->observer); });
+  ParallelFor(2 * n_observers, threads_, [&](int task, int) { PrepareEye(eye_of(task)); });
+  for (const auto& observer : observers_) CoverViews(observer.get());
+  ParallelFor(n_observers, threads_,
+              [&](int i, int) { ShadeTargets(world, eye_of(2 * i)->observer); });
+  std::vector<RenderedPair> pairs(observers_.size());
+  ParallelFor(2 * n_observers, threads_, [&](int task, int worker) {
+    std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
+    if (pass == nullptr) pass = std::make_unique<TargetPass>(MakeOsMesaContext());
+    RenderedPair& pair = pairs[static_cast<std::size_t>(task / 2)];
+    (task % 2 == 0 ? pair.left : pair.right) = RenderEye(world, tick, eye_of(task), pass.get());
+  });
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].annotation = observers_[i]->annotation;
+  return pairs;
+}
+
+}  // namespace windhover

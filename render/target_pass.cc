@@ -1,0 +1,248 @@
+#include "render/target_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/target_canvas.h"
+
+namespace windhover {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+// A vertex in the image; not valid where the lens does not see it.
+struct ImageVertex {
+  double x_px = 0, y_px = 0, inverse_depth = 0;
+  bool is_valid = false;
+};
+
+struct ProjectedMesh {
+  std::vector<ImageVertex> vertices;
+  std::vector<Triangle> triangles;  ///< Those whose vertices are all valid.
+};
+
+// Samples a pixel along each axis, so that a silhouette's centroid is true to a few hundredths
+// of a pixel at every size (docs/sources.md).
+int SamplesFor(double extent_px) {
+  if (extent_px < 64) return 8;
+  if (extent_px < 128) return 4;
+  return extent_px < 256 ? 3 : 2;
+}
+
+ProjectedMesh Project(const Mesh& mesh, const PinholeRadtan& camera,
+                      const Eigen::Isometry3d& X_CB) {
+  constexpr double kNear_m = 0.05;
+  ProjectedMesh projected;
+  projected.vertices.reserve(mesh.positions.size());
+  bool all_valid = true;
+  for (const Eigen::Vector3f& p_B : mesh.positions) {
+    const Eigen::Vector3d p_C = X_CB * p_B.cast<double>();
+    const auto q_px = p_C.z() > kNear_m ? camera.Project(p_C) : std::nullopt;
+    all_valid = all_valid && q_px.has_value();
+    projected.vertices.push_back(q_px ? ImageVertex{q_px->x(), q_px->y(), 1 / p_C.z(), true}
+                                      : ImageVertex{});
+  }
+  if (all_valid) {
+    projected.triangles = mesh.triangles;
+    return projected;
+  }
+  for (const Triangle& t : mesh.triangles) {
+    const auto& v = projected.vertices;
+    if (v[t[0]].is_valid && v[t[1]].is_valid && v[t[2]].is_valid) projected.triangles.push_back(t);
+  }
+  return projected;
+}
+
+// Bounds of what is drawn.
+struct Bounds {
+  double x_min = 1e9, x_max = -1e9, y_min = 1e9, y_max = -1e9;
+  double inverse_near = 0, inverse_far = 1e9;
+
+  void Extend(const ProjectedMesh& mesh) {
+    for (const Triangle& t : mesh.triangles) {
+      for (const std::uint32_t i : t) {
+        const ImageVertex& v = mesh.vertices[i];
+        x_min = std::min(x_min, v.x_px);
+        x_max = std::max(x_max, v.x_px);
+        y_min = std::min(y_min, v.y_px);
+        y_max = std::max(y_max, v.y_px);
+        inverse_near = std::max(inverse_near, v.inverse_depth);
+        inverse_far = std::min(inverse_far, v.inverse_depth);
+      }
+    }
+  }
+
+  PixelRect Within(int width_px, int height_px) const {
+    if (x_min > x_max) return {};
+    const auto first = [](double low) {
+      return static_cast<int>(std::floor(std::max(low, -1.0) + 0.5));
+    };
+    const auto last = [](double high, int size) {
+      return static_cast<int>(std::floor(std::min(high, size + 1.0) + 0.5));
+    };
+    const int x0 = std::max(first(x_min), 0), x1 = std::min(last(x_max, width_px), width_px - 1);
+    const int y0 = std::max(first(y_min), 0), y1 = std::min(last(y_max, height_px), height_px - 1);
+    return {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
+  }
+};
+
+// From image coordinates to a canvas that shows `rect`. Depth is affine in 1 / Z, which is
+// affine in the image, so that interpolation between vertices is exact.
+class CanvasMap {
+ public:
+  CanvasMap(const PixelRect& rect, const Bounds& bounds) : rect_(rect) {
+    const double margin = 1e-3 * bounds.inverse_near;
+    near_ = bounds.inverse_near + margin;
+    far_ = std::max(bounds.inverse_far - margin, 0.0);
+  }
+
+  CanvasVertex Vertex(const ImageVertex& v, const Eigen::Vector3f& light, float alpha) const {
+    if (!v.is_valid) return {};
+    return {static_cast<float>(2 * (v.x_px - rect_.x0 + 0.5) / rect_.width - 1),
+            static_cast<float>(2 * (v.y_px - rect_.y0 + 0.5) / rect_.height - 1),
+            static_cast<float>((near_ + far_ - 2 * v.inverse_depth) / (near_ - far_)),
+            light.x() * alpha,
+            light.y() * alpha,
+            light.z() * alpha,
+            alpha};
+  }
+
+ private:
+  PixelRect rect_;
+  double near_, far_;
+};
+
+std::vector<CanvasVertex> OnCanvas(const ProjectedMesh& mesh,
+                                   const std::vector<Eigen::Vector3f>& light, float alpha,
+                                   const CanvasMap& map) {
+  std::vector<CanvasVertex> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    vertices.push_back(map.Vertex(mesh.vertices[i], light[i], alpha));
+  }
+  return vertices;
+}
+
+TargetLayer::Sample SampleOf(std::uint16_t coverage) {
+  if (coverage == 0) return TargetLayer::Sample::kEmpty;
+  return coverage > 60000 ? TargetLayer::Sample::kOpaque : TargetLayer::Sample::kTranslucent;
+}
+
+// One pose of the target, projected.
+struct SubExposure {
+  ProjectedMesh body, discs;
+};
+
+// Gathers samples of tiles and sub-exposures into a layer.
+class LayerSum {
+ public:
+  LayerSum(const PixelRect& roi, int samples_per_px) {
+    layer_.roi = roi;
+    layer_.samples_per_px = samples_per_px;
+    const auto pixels = static_cast<std::size_t>(roi.width) * static_cast<std::size_t>(roi.height);
+    sums_.resize(pixels * 4);
+    layer_.samples.resize(pixels * static_cast<std::size_t>(samples_per_px * samples_per_px));
+  }
+
+  void Add(const PixelRect& tile, const std::vector<TargetCanvas::Pixel>& canvas, bool is_middle) {
+    const int s = layer_.samples_per_px, x_offset = tile.x0 - layer_.roi.x0;
+    const TargetCanvas::Pixel* sample = canvas.data();
+    for (int y = 0; y < tile.height * s; ++y) {
+      const int row = tile.y0 - layer_.roi.y0 + y / s;
+      std::uint64_t* sum =
+          sums_.data() + 4 * (static_cast<std::ptrdiff_t>(row) * layer_.roi.width + x_offset);
+      TargetLayer::Sample* mask =
+          layer_.samples.data() +
+          (static_cast<std::ptrdiff_t>(tile.y0 - layer_.roi.y0) * s + y) * layer_.roi.width * s +
+          x_offset * s;
+      for (int x = 0; x < tile.width; ++x, sum += 4) {
+        for (int i = 0; i < s; ++i, ++sample) {
+          for (std::size_t c = 0; c < 4; ++c) sum[c] += (*sample)[c];
+          if (is_middle) *mask++ = SampleOf((*sample)[3]);
+        }
+      }
+    }
+  }
+
+  TargetLayer Mean(std::size_t exposures) && {
+    const std::uint64_t count =
+        exposures * static_cast<std::size_t>(layer_.samples_per_px * layer_.samples_per_px);
+    layer_.pixels.resize(sums_.size() / 4);
+    for (std::size_t i = 0; i < layer_.pixels.size(); ++i) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        layer_.pixels[i][c] = static_cast<std::uint16_t>((sums_[4 * i + c] + count / 2) / count);
+      }
+    }
+    return std::move(layer_);
+  }
+
+ private:
+  TargetLayer layer_;
+  std::vector<std::uint64_t> sums_;
+};
+
+}  // namespace
+
+TargetLayer::Sample TargetLayer::SampleAt(double x_px, double y_px) const {
+  const auto column = static_cast<std::int64_t>(std::floor((x_px + 0.5 - roi.x0) * samples_per_px));
+  const auto row = static_cast<std::int64_t>(std::floor((y_px + 0.5 - roi.y0) * samples_per_px));
+  const std::int64_t columns = std::int64_t{roi.width} * samples_per_px;
+  const std::int64_t rows = std::int64_t{roi.height} * samples_per_px;
+  if (column < 0 || row < 0 || column >= columns || row >= rows) return Sample::kEmpty;
+  return samples[static_cast<std::size_t>(row * columns + column)];
+}
+
+struct TargetPass::Gl {
+  explicit Gl(std::unique_ptr<GlContext> context) : canvas(std::move(context)) {}
+
+  void DrawTile(const ShadedTarget& target, const SubExposure& exposure, const PixelRect& tile,
+                const Bounds& bounds, int samples_per_px) {
+    using Surface = TargetCanvas::Surface;
+    const CanvasMap map(tile, bounds);
+    canvas.Begin(tile.width * samples_per_px, tile.height * samples_per_px);
+    canvas.Draw(target.model->IsWatertight() ? Surface::kClosed : Surface::kOpen,
+                OnCanvas(exposure.body, target.body_light, 1, map), exposure.body.triangles);
+    canvas.Draw(Surface::kTranslucent,
+                OnCanvas(exposure.discs, target.disc_light, target.model->DiscAlpha(), map),
+                exposure.discs.triangles);
+    canvas.Read(&samples);
+  }
+
+  TargetCanvas canvas;
+  std::vector<TargetCanvas::Pixel> samples;
+};
+
+TargetPass::TargetPass(std::unique_ptr<GlContext> context)
+    : gl_(std::make_unique<Gl>(std::move(context))) {}
+TargetPass::~TargetPass() = default;
+
+TargetLayer TargetPass::Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
+                             int height_px, std::span<const Eigen::Isometry3d> X_CB) {
+  std::vector<SubExposure> exposures;
+  Bounds bounds;
+  for (const Eigen::Isometry3d& pose : X_CB) {
+    exposures.push_back(
+        {Project(target.level->body, camera, pose), Project(target.level->discs, camera, pose)});
+    bounds.Extend(exposures.back().body);
+    bounds.Extend(exposures.back().discs);
+  }
+  const PixelRect roi = bounds.Within(width_px, height_px);
+  if (roi.IsEmpty()) return {};
+  const int samples_per_px =
+      SamplesFor(std::max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min));
+  const int tile_px = TargetCanvas::kMaxSize / samples_per_px;
+  LayerSum sum(roi, samples_per_px);
+  for (std::size_t i = 0; i < exposures.size(); ++i) {
+    for (int y = 0; y < roi.height; y += tile_px) {
+      for (int x = 0; x < roi.width; x += tile_px) {
+        const PixelRect tile{roi.x0 + x, roi.y0 + y, std::min(tile_px, roi.width - x),
+                             std::min(tile_px, roi.height - y)};
+        gl_->DrawTile(target, exposures[i], tile, bounds, samples_per_px);
+        sum.Add(tile, gl_->samples, i == exposures.size() / 2);
+      }
+    }
+  }
+  return std::move(sum).Mean(exposures.size());
+}
+
+}  // namespace windhover

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "camera/pinhole_radtan.h"
+#include "render/gl_context.h"
+#include "render/prepared_model.h"
+
+namespace windhover {
+
+/// A rectangle of pixels: columns [x0, x0 + width), rows [y0, y0 + height).
+struct PixelRect {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+  bool IsEmpty() const { return width <= 0 || height <= 0; }
+};
+
+/// One target as one camera sees it during one exposure, without the others.
+struct TargetLayer {
+  PixelRect roi;
+  /// Linear light times coverage (65535 is white) and coverage; mean over the exposure.
+  std::vector<std::array<std::uint16_t, 4>> pixels;
+  /// Samples of the middle of the exposure, samples_per_px² a pixel, rows from the top.
+  int samples_per_px = 1;
+  enum class Sample : std::uint8_t { kEmpty, kTranslucent, kOpaque };
+  std::vector<Sample> samples;
+
+  Sample SampleAt(double x_px, double y_px) const;
+};
+
+/// Draws aircraft with OpenGL: only the region that an aircraft covers, supersampled, with the
+/// lens's distortion applied to its vertices.
+///
+/// One per thread that draws.
+class TargetPass {
+ public:
+  explicit TargetPass(std::unique_ptr<GlContext> context);
+  ~TargetPass();
+  TargetPass(const TargetPass&) = delete;
+
+  /// Draws `target` once from each of the poses `X_CB` (sub-exposures; the middle one is the
+  /// middle of the exposure) into an image of width × height px.
+  /// @return an empty layer if the target is not in the image.
+  TargetLayer Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
+                   int height_px, std::span<const Eigen::Isometry3d> X_CB);
+
+ private:
+  struct Gl;
+  std::unique_ptr<Gl> gl_;
+};
+
+}  // namespace windhover
