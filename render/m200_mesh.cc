@@ -72,8 +72,10 @@ AircraftModel MakeM200(bool orange) {
     AddLandingLeg(sign_y, &model.body);
     for (const float sign_x : {-1.0f, 1.0f}) {
       AddArm(sign_x, sign_y, &model.body);
-      AddDisc({sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m}, kPropellerRadius_m, 64, kDark,
-              &model.rotor_discs);
+      // Blades are pitched, so what they sweep has a height.
+      AddTube({sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m - 0.006f},
+              {sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m + 0.006f}, kPropellerRadius_m,
+              kPropellerRadius_m, 64, kDark, &model.rotor_discs);
     }
   }
   const Vector3f to_centre(0, 0, -kHeight_m / 2);

@@ -149,15 +149,6 @@ void AddEllipsoid(const Vector3f& centre_m, const Vector3f& radii_m, int sides,
   }
 }
 
-void AddDisc(const Vector3f& centre_m, float radius_m, int sides, const Vector3f& colour,
-             Mesh* mesh) {
-  std::vector<Vector3f> ring;
-  for (const Eigen::Vector2f& c : Circle(sides)) {
-    ring.push_back(centre_m + radius_m * Vector3f(c.x(), c.y(), 0));
-  }
-  AddCap(ring, centre_m, Vector3f::UnitZ(), colour, mesh);
-}
-
 Vector3f ColourFromSrgb(int red, int green, int blue) {
   return Vector3f(static_cast<float>(LinearFromSrgb(red / 255.0)),
                   static_cast<float>(LinearFromSrgb(green / 255.0)),

@@ -18,10 +18,6 @@ void AddTube(const Eigen::Vector3f& from_m, const Eigen::Vector3f& to_m, float f
 void AddEllipsoid(const Eigen::Vector3f& centre_m, const Eigen::Vector3f& radii_m, int sides,
                   const Eigen::Vector3f& colour, Mesh* mesh);
 
-/// A flat disc, normal up; one-sided.
-void AddDisc(const Eigen::Vector3f& centre_m, float radius_m, int sides,
-             const Eigen::Vector3f& colour, Mesh* mesh);
-
 /// Linear RGB of sRGB bytes.
 Eigen::Vector3f ColourFromSrgb(int red, int green, int blue);
 

@@ -118,7 +118,7 @@ void TargetCanvas::Draw(Surface surface, const std::vector<CanvasVertex>& vertic
                         const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   if (triangles.empty()) return;
   const bool is_translucent = surface == Surface::kTranslucent;
-  (surface == Surface::kClosed ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);
+  (surface == Surface::kOpen ? gl_.Disable : gl_.Enable)(GL_CULL_FACE);
   (is_translucent ? gl_.Enable : gl_.Disable)(GL_BLEND);
   gl_.DepthMask(is_translucent ? GL_FALSE : GL_TRUE);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof vertices[0]),

@@ -27,8 +27,8 @@ class TargetCanvas {
 
   /// Makes the canvas ready on this thread, empty, `width` × `height`; at most kMaxSize.
   void Begin(int width, int height);
-  /// Draws triangles: closed surfaces without their back faces, translucent ones over what is
-  /// there and without hiding what comes after.
+  /// Draws triangles: closed and translucent surfaces without their back faces, translucent ones
+  /// over what is there and without hiding what comes after.
   void Draw(Surface surface, const std::vector<CanvasVertex>& vertices,
             const std::vector<std::array<std::uint32_t, 3>>& triangles);
   /// Copies the canvas, rows from the top. @throws std::runtime_error after an OpenGL error.

@@ -1,42 +1,35 @@
 #include "render/warp_kernel.h"
 
-#include <cstring>
+#include <emmintrin.h>
 
 namespace windhover {
 namespace {
 
-// Two texels side by side, and their sums of products.
-using U16x8 = std::uint16_t __attribute__((vector_size(16)));
-using U32x8 = std::uint32_t __attribute__((vector_size(32)));
-using U32x4 = std::uint32_t __attribute__((vector_size(16)));
-using U16x4 = std::uint16_t __attribute__((vector_size(8)));
+// Two texels side by side: (a · (65535 - w) + b · w) / 65536, at most 2/65536 of white too dark.
+__m128i Mix(__m128i a, __m128i b, __m128i weight) {
+  const __m128i rest = _mm_xor_si128(weight, _mm_set1_epi16(-1));
+  return _mm_add_epi16(_mm_mulhi_epu16(a, rest), _mm_mulhi_epu16(b, weight));
+}
+
+__m128i Load(const Texel* texels) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(texels));
+}
 
 }  // namespace
 
-// Weights have 8 bits each; 4 of the 32 bits are dropped between the two directions.
-__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void WarpPixels(
-    const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb) {
+// SSE2 alone, which every x86-64 processor has.
+void WarpPixels(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb) {
   const Texel* texels = window.texels.data();
   const std::ptrdiff_t stride = window.width;
   const std::int32_t du = span.u1 - span.u0, dv = span.v1 - span.v0;
   for (int i = 0; i < span.count; ++i) {
     const std::int32_t u = span.u0 + ((du * i + 8) >> 4), v = span.v0 + ((dv * i + 8) >> 4);
     const Texel* at = texels + (v >> 16) * stride + (u >> 16);
-    U16x8 top, bottom;
-    std::memcpy(&top, at, sizeof top);
-    std::memcpy(&bottom, at + stride, sizeof bottom);
-    const auto wu = static_cast<std::uint32_t>(u >> 8) & 255;
-    const auto wv = static_cast<std::uint32_t>(v >> 8) & 255;
-    const U32x8 column = (__builtin_convertvector(top, U32x8) * (256 - wv) +
-                          __builtin_convertvector(bottom, U32x8) * wv + 8) >>
-                         4;
-    const std::uint32_t wl = 256 - wu;
-    const U32x8 weighted = column * U32x8{wl, wl, wl, wl, wu, wu, wu, wu};
-    const U32x4 sum = (__builtin_shufflevector(weighted, weighted, 0, 1, 2, 3) +
-                       __builtin_shufflevector(weighted, weighted, 4, 5, 6, 7) + 2048) >>
-                      12;
-    const U16x4 pixel = __builtin_convertvector(sum, U16x4);
-    std::memcpy(rgb + 3 * i, &pixel, sizeof pixel);
+    const __m128i column =
+        Mix(Load(at), Load(at + stride), _mm_set1_epi16(static_cast<std::int16_t>(v & 65535)));
+    const __m128i pixel = Mix(column, _mm_unpackhi_epi64(column, column),
+                              _mm_set1_epi16(static_cast<std::int16_t>(u & 65535)));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(rgb + 3 * i), pixel);
   }
 }
 

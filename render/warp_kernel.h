@@ -13,7 +13,7 @@ struct WarpSpan {
   int count;  ///< At most 16.
 };
 
-/// Interpolates linearly between four texels for each pixel of `span`; integers only, so every
+/// Interpolates linearly between four texels for each pixel of `span`. Integers only, so every
 /// processor gives the same bits. Writes 3 · count values and one more.
 void WarpPixels(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
 

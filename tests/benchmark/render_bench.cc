@@ -1,0 +1,130 @@
+#include <array>
+#include <cmath>
+
+#include <benchmark/benchmark.h>
+
+#include "common/geometry/rotation.h"
+#include "render/box_detector.h"
+#include "render/eye_image.h"
+#include "render/stereo_renderer.h"
+
+namespace windhover {
+namespace {
+
+// Sixteen places of the target, 4.5 to 82 m away, log-spaced; 12 mm lenses, 1280 × 720 px,
+// distortion and noise on.
+constexpr int kPoses = 16;
+
+Scenario BenchScenario() {
+  Scenario scenario;
+  scenario.observe = Observe::kImage;
+  scenario.rig.calibrated.distortion.k1 = -0.1;
+  scenario.rig.misalignment.offset_px = 70;
+  scenario.aircraft.resize(2);
+  scenario.aircraft[0].self.carries_rig = true;
+  scenario.aircraft[1].self.id = 1;
+  return scenario;
+}
+
+world_truth_t WorldAt(int pose) {
+  world_truth_t world{};
+  world.n_uavs = 2;
+  world.uavs.resize(2, uav_truth_t{});
+  const double distance_m = 4.5 * std::pow(82 / 4.5, pose / (kPoses - 1.0));
+  world.uavs[1].id = 1;
+  world.uavs[0].qw = 1;
+  world.uavs[1].p_WB_m[0] = distance_m;
+  world.uavs[1].p_WB_m[1] = 0.05 * distance_m * std::sin(1.3 * pose);
+  world.uavs[1].p_WB_m[2] = 0.03 * distance_m * std::cos(1.7 * pose);
+  world.uavs[1].qw = std::cos(0.4 * pose);
+  world.uavs[1].qz = std::sin(0.4 * pose);
+  return world;
+}
+
+// One iteration is one stereo pair; the 16 poses take turns.
+void BM_StereoPair(benchmark::State& state) {
+  Scenario scenario = BenchScenario();
+  if (state.range(1) > 1) {  // Turning so that the exposure needs that many parts.
+    scenario.exposure.max_samples = static_cast<int>(state.range(1));
+    scenario.exposure.max_blur_px = 0.01;
+  }
+  StereoRenderer renderer(scenario, {0}, static_cast<int>(state.range(0)));
+  std::array<world_truth_t, kPoses> worlds;
+  for (int i = 0; i < kPoses; ++i) {
+    worlds[static_cast<std::size_t>(i)] = WorldAt(i);
+    if (state.range(1) > 1) worlds[static_cast<std::size_t>(i)].uavs[0].w_WB_B_radps[2] = 0.1;
+    renderer.Render(worlds[static_cast<std::size_t>(i)], i);
+  }
+  int i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(renderer.Render(worlds[static_cast<std::size_t>(i % kPoses)], i));
+    ++i;
+  }
+  state.counters["pairs/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(BM_StereoPair)
+    ->ArgNames({"threads", "exposures"})
+    ->Args({1, 1})
+    ->Args({2, 1})
+    ->Args({1, 5})
+    ->Args({2, 5})
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+// Background and sensor of one pair, without targets.
+void BM_Background(benchmark::State& state) {
+  Scenario scenario = BenchScenario();
+  scenario.sensor.noise = state.range(0) != 0;
+  StereoRenderer renderer(scenario, {0}, 1);
+  world_truth_t world = WorldAt(0);
+  world.uavs[1].p_WB_m[0] = -50;
+  renderer.Render(world, 0);
+  for (auto _ : state) benchmark::DoNotOptimize(renderer.Render(world, 1));
+}
+BENCHMARK(BM_Background)->ArgName("noise")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+// The target alone, both eyes, at one distance.
+void BM_Target(benchmark::State& state) {
+  const Scenario scenario = BenchScenario();
+  const SceneGeometry geometry(scenario, {0});
+  const AircraftShape& shape = geometry.ShapeOf(1);
+  const PreparedModel model(shape.model, shape.radius_m);
+  const auto environment = MakeEnvironment(scenario.environment);
+  const SkyLight light(scenario.environment, *environment);
+  TargetPass pass(MakeOsMesaContext());
+  const PinholeRadtan camera = scenario.rig.calibrated.ToStereoRig().left;
+  const auto depth_m = static_cast<double>(state.range(0));
+  Eigen::Isometry3d X_CB = Eigen::Isometry3d::Identity();
+  X_CB.linear() = R_BC_Forward().transpose();
+  X_CB.translation().z() = depth_m;
+  const std::array poses = {X_CB};
+  const DetailLevel& level = model.LevelFor(depth_m, camera.fx_px);
+  for (auto _ : state) {
+    const ShadedTarget shaded = Shade(model, level, Eigen::Matrix3d::Identity(), light);
+    for (int eye = 0; eye < 2; ++eye) {
+      benchmark::DoNotOptimize(pass.Draw(shaded, camera, 1280, 720, poses));
+    }
+  }
+  state.counters["triangles"] = static_cast<double>(level.body.triangles.size());
+}
+BENCHMARK(BM_Target)->ArgName("depth_m")->Arg(5)->Arg(10)->Arg(20)->Arg(40)->Arg(80)->Unit(
+    benchmark::kMillisecond);
+
+void BM_GeometricFrame(benchmark::State& state) {
+  Scenario scenario = BenchScenario();
+  const SceneGeometry geometry(scenario, {0});
+  const world_truth_t world = WorldAt(7);
+  int tick = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        DetectGeometric(geometry.Annotate(world, 0), scenario.geometric, 1, tick++, 1280, 720));
+  }
+}
+BENCHMARK(BM_GeometricFrame)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace windhover
+
+BENCHMARK_MAIN();

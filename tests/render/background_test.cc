@@ -1,0 +1,149 @@
+#include "render/background.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
+
+#include "common/geometry/rotation.h"
+
+namespace windhover {
+namespace {
+
+constexpr int kWidth_px = 640, kHeight_px = 360;
+constexpr double kFocal_px = 1600;
+
+PinholeRadtan Camera() {
+  return {.fx_px = kFocal_px,
+          .fy_px = kFocal_px,
+          .cx_px = 325.3,
+          .cy_px = 171.8,
+          .k1 = -0.25,
+          .k2 = 0.4,
+          .p1 = 1e-3,
+          .p2 = -5e-4};
+}
+
+// A camera that looks east and somewhat up, rolled.
+Eigen::Matrix3d R_WC(double yaw_deg, double pitch_deg) {
+  return RotationFromVector(Eigen::Vector3d(0, 0, RadFromDeg(yaw_deg))) * R_BC_Forward() *
+         RotationFromVector(Eigen::Vector3d(RadFromDeg(pitch_deg), 0, 0)) *
+         RotationFromVector(Eigen::Vector3d(0, 0, RadFromDeg(3)));
+}
+
+// Light that varies over a few degrees, so that exact values are known to a small fraction.
+class SmoothWorld : public Environment {
+ public:
+  Eigen::Vector3f Radiance(const Eigen::Vector3f& d, float) const override {
+    const Eigen::Vector3f phase = d * 40;
+    return {0.5f + 0.4f * std::sin(phase.x() + phase.z()), 0.5f + 0.4f * std::sin(phase.y()),
+            0.5f + 0.4f * std::cos(phase.z() - phase.y())};
+  }
+};
+
+// Black but for one direction: a Gaussian of 1.5 px.
+class PointWorld : public Environment {
+ public:
+  explicit PointWorld(const Eigen::Vector3d& d_W) : d_W_(d_W) {}
+  Eigen::Vector3f Radiance(const Eigen::Vector3f& d, float) const override {
+    const double angle_px = (d.cast<double>() - d_W_).norm() * kFocal_px / 1.5;
+    return Eigen::Vector3f::Constant(static_cast<float>(std::exp(-angle_px * angle_px / 2)));
+  }
+
+ private:
+  Eigen::Vector3d d_W_;
+};
+
+struct Frame {
+  std::vector<std::uint16_t> values = std::vector<std::uint16_t>(kWidth_px * kHeight_px * 3 + 1);
+  double latitude_rad = 0;  ///< Greatest of the view, in its chart.
+  double At(int x, int y, int c) const {
+    return values[static_cast<std::size_t>((y * kWidth_px + x) * 3 + c)];
+  }
+};
+
+Frame Draw(const Environment& world, const Eigen::Matrix3d& R, int extra_texels = 0) {
+  RadianceMap map(world, kFocal_px);
+  const Chart chart = ChartFor(R.col(2));
+  const RayGrid grid(Camera(), kWidth_px, kHeight_px);
+  const WarpGrid warp = MakeWarpGrid(grid, R, map, chart, map.PlaceOf(R.col(2), chart).x());
+  MapWindow window;
+  map.Cover(chart, static_cast<int>(warp.u_min) - 2 - extra_texels,
+            static_cast<int>(warp.u_max) + 2, static_cast<int>(warp.v_min) - 2 - extra_texels,
+            static_cast<int>(warp.v_max) + 2, 2, &window);
+  const BackgroundWarp background(grid, warp, map, window);
+  Frame frame;
+  const double equator = map.Width() / 4.0;
+  frame.latitude_rad =
+      std::max(std::abs(warp.v_min - equator), std::abs(warp.v_max - equator)) / map.TexelsPerRad();
+  for (int y = 0; y < kHeight_px; ++y) background.Row(y, frame.values.data() + y * kWidth_px * 3);
+  return frame;
+}
+
+class EveryView : public testing::TestWithParam<std::pair<double, double>> {};
+
+// Light is interpolated between texels h = 1/1360 rad apart, off by h² / 8 |f''| = 8.6e-5 of white
+// for f'' = 2 · 0.4 · 40², 5.7 of 65535; averaging it over a texel costs 1.5 and rounding 4 more.
+// Places are interpolated over cells of H = 0.01 rad; a level line bends by tan(latitude), so they
+// are off by H² / 8 tan(latitude), where light changes by up to 0.4 · 40 · sqrt(2) a radian.
+double Tolerance(double latitude_rad) {
+  return 5.7 + 1.5 + 4 +
+         65535 * 0.01 * 0.01 / 8 * std::tan(latitude_rad) * 0.4 * 40 * std::sqrt(2.0);
+}
+
+TEST_P(EveryView, AgreesWithTheExactRayOfEachPixel) {
+  const SmoothWorld world;
+  const Eigen::Matrix3d R = R_WC(GetParam().first, GetParam().second);
+  const Frame frame = Draw(world, R);
+  double worst = 0;
+  for (int y = 0; y < kHeight_px; y += 7) {
+    for (int x = 0; x < kWidth_px; x += 5) {
+      const Eigen::Vector3d d_W = R * *Camera().Unproject({x, y});
+      const Eigen::Vector3f exact = world.Radiance(d_W.cast<float>(), 0) * 65535;
+      for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(frame.At(x, y, c) - exact[c]));
+    }
+  }
+  EXPECT_LT(worst, Tolerance(frame.latitude_rad));
+}
+
+INSTANTIATE_TEST_SUITE_P(AllAround, EveryView,
+                         testing::Values(std::pair{0.0, 0.0}, std::pair{0.0, 10.0},
+                                         std::pair{180.0, 0.0}, std::pair{179.0, -20.0},
+                                         std::pair{-90.0, 49.0}, std::pair{30.0, 51.0},
+                                         std::pair{77.0, 90.0}, std::pair{-120.0, -85.0}));
+
+TEST(BackgroundWarp, ShowsAPointWhereOpenCvProjectsIt) {
+  const Eigen::Matrix3d R = R_WC(20, 4);
+  const PinholeRadtan camera = Camera();
+  const cv::Mat K = (cv::Mat_<double>(3, 3) << camera.fx_px, 0, camera.cx_px, 0, camera.fy_px,
+                     camera.cy_px, 0, 0, 1);
+  const cv::Mat coefficients =
+      (cv::Mat_<double>(4, 1) << camera.k1, camera.k2, camera.p1, camera.p2);
+  for (const Eigen::Vector3d& p_C :
+       {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.15, 0.08, 1), Eigen::Vector3d(-0.17, 0.05, 1),
+        Eigen::Vector3d(-0.1, -0.09, 1)}) {
+    std::vector<cv::Point2d> q_px;
+    cv::projectPoints(std::vector<cv::Point3d>{{p_C.x(), p_C.y(), p_C.z()}}, cv::Vec3d(0, 0, 0),
+                      cv::Vec3d(0, 0, 0), K, coefficients, q_px);
+    const Frame frame = Draw(PointWorld(R * p_C.normalized()), R);
+    double sum = 0, x_sum = 0, y_sum = 0;
+    for (int y = 0; y < kHeight_px; ++y) {
+      for (int x = 0; x < kWidth_px; ++x) {
+        sum += frame.At(x, y, 0);
+        x_sum += x * frame.At(x, y, 0);
+        y_sum += y * frame.At(x, y, 0);
+      }
+    }
+    // Bound by the resampling of a 1.5 px spot on texels of 1.2 px and 1/256 texel weights.
+    EXPECT_NEAR(x_sum / sum, q_px[0].x, 0.02);
+    EXPECT_NEAR(y_sum / sum, q_px[0].y, 0.02);
+  }
+}
+
+TEST(BackgroundWarp, IsTheSameFromAnyWindow) {
+  const SmoothWorld world;
+  EXPECT_EQ(Draw(world, R_WC(10, 5)).values, Draw(world, R_WC(10, 5), 700).values);
+}
+
+}  // namespace
+}  // namespace windhover

@@ -1,0 +1,170 @@
+#include "render/environment.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/support/temporary_folder.h"
+
+namespace windhover {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr float kFootprint_rad = 1e-3f;
+
+EnvironmentConfig OfType(EnvironmentType type) {
+  EnvironmentConfig config;
+  config.type = type;
+  return config;
+}
+
+class Procedural : public testing::TestWithParam<EnvironmentType> {};
+
+TEST_P(Procedural, IsFiniteAndInRangeAllAround) {
+  const auto environment = MakeEnvironment(OfType(GetParam()));
+  for (int elevation = -90; elevation <= 90; elevation += 3) {
+    for (int azimuth = -180; azimuth <= 180; azimuth += 5) {
+      const Eigen::Vector3f light =
+          environment->Radiance(DirectionFromAngles(azimuth, elevation), kFootprint_rad);
+      ASSERT_TRUE(light.allFinite()) << azimuth << ' ' << elevation;
+      ASSERT_GE(light.minCoeff(), 0);
+      ASSERT_LE(light.maxCoeff(), 5);
+    }
+  }
+}
+
+TEST_P(Procedural, HasNoSeamInTheWest) {
+  const auto environment = MakeEnvironment(OfType(GetParam()));
+  // Neighbouring directions differ no more across azimuth ±180° than elsewhere, on average.
+  const auto step = [&](double azimuth_deg) {
+    double sum = 0;
+    for (int i = 0; i < 400; ++i) {
+      const double elevation_deg = -10 + 0.05 * i;
+      sum += (environment->Radiance(DirectionFromAngles(azimuth_deg - 0.01, elevation_deg), 1e-2f) -
+              environment->Radiance(DirectionFromAngles(azimuth_deg + 0.01, elevation_deg), 1e-2f))
+                 .norm();
+    }
+    return sum / 400;
+  };
+  double elsewhere = 0;
+  for (int azimuth = -170; azimuth < 180; azimuth += 10)
+    elsewhere = std::max(elsewhere, step(azimuth));
+  EXPECT_LE(step(180), elsewhere + 1e-3);
+}
+
+TEST_P(Procedural, LightsFromAbove) {
+  const EnvironmentConfig config = OfType(GetParam());
+  const auto environment = MakeEnvironment(config);
+  const SkyLight light(config, *environment);
+  EXPECT_GT(light.AmbientRadiance({0, 0, 1}).mean(), light.AmbientRadiance({0, 0, -1}).mean());
+  EXPECT_GT(light.SunRadiance().mean(), 0.05f);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Procedural,
+                         testing::Values(EnvironmentType::kPlayground, EnvironmentType::kForest,
+                                         EnvironmentType::kBuildings,
+                                         EnvironmentType::kBasketballCourt));
+
+// A uniform surrounding of radiance L lights a white surface of any normal to radiance L.
+TEST(SkyLight, OfAUniformWorldIsItsRadiance) {
+  struct Uniform : Environment {
+    Eigen::Vector3f Radiance(const Eigen::Vector3f&, float) const override {
+      return {0.2f, 0.3f, 0.4f};
+    }
+  };
+  const SkyLight light(EnvironmentConfig{}, Uniform());
+  for (const Eigen::Vector3f& n : {Eigen::Vector3f(0, 0, 1), Eigen::Vector3f(0.6f, 0, -0.8f)}) {
+    EXPECT_TRUE(light.AmbientRadiance(n).isApprox(Eigen::Vector3f(0.2f, 0.3f, 0.4f), 0.01f));
+  }
+}
+
+class ImageEnvironment : public testing::Test {
+ protected:
+  // Left half red, right half green; top quarter blue.
+  EnvironmentConfig WithImage(EnvironmentType type, int width, int height, const char* name) const {
+    cv::Mat image(height, width, CV_8UC3, cv::Scalar(0, 255, 0));
+    image(cv::Rect(0, 0, width / 2, height)).setTo(cv::Scalar(0, 0, 255));
+    image(cv::Rect(0, 0, width, height / 4)).setTo(cv::Scalar(255, 0, 0));
+    cv::imwrite((folder_.path() / name).string(), image);
+    return Named(type, name);
+  }
+  EnvironmentConfig Named(EnvironmentType type, const std::string& name) const {
+    EnvironmentConfig config = OfType(type);
+    config.file = {
+        .as_given = name, .absolute = (folder_.path() / name).string(), .where = "s.yaml:3:4"};
+    return config;
+  }
+  static std::string ErrorOf(const EnvironmentConfig& config) {
+    try {
+      MakeEnvironment(config);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  TemporaryFolder folder_;
+};
+
+void ExpectColour(const Environment& environment, double azimuth_deg, double elevation_deg,
+                  const Eigen::Vector3f& colour) {
+  const Eigen::Vector3f light =
+      environment.Radiance(DirectionFromAngles(azimuth_deg, elevation_deg), kFootprint_rad);
+  EXPECT_TRUE(light.isApprox(colour, 1e-3f)) << light.transpose();
+}
+
+TEST_F(ImageEnvironment, PanoramaHasItsLeftHalfInTheNorth) {
+  const auto panorama = MakeEnvironment(WithImage(EnvironmentType::kPanorama, 512, 256, "p.png"));
+  ExpectColour(*panorama, 90, 0, {1, 0, 0});
+  ExpectColour(*panorama, -90, 0, {0, 1, 0});
+  ExpectColour(*panorama, 10, 80, {0, 0, 1});
+}
+
+TEST_F(ImageEnvironment, PhotoFillsItsWidthAboutEastAndIsMirroredOutside) {
+  EnvironmentConfig config = WithImage(EnvironmentType::kPhoto, 400, 300, "p.png");
+  config.photo_width_deg = 60;
+  const auto photo = MakeEnvironment(config);
+  ExpectColour(*photo, 20, 0, {1, 0, 0});
+  ExpectColour(*photo, -20, 0, {0, 1, 0});
+  ExpectColour(*photo, 40, 0, {1, 0, 0});    // Mirrored at 30°.
+  ExpectColour(*photo, 0.5, 18, {0, 0, 1});  // 45° high in all; the upper quarter is above 11°.
+}
+
+TEST_F(ImageEnvironment, TurnsByYaw) {
+  EnvironmentConfig config = WithImage(EnvironmentType::kPanorama, 512, 256, "p.png");
+  config.yaw_deg = 180;
+  ExpectColour(*MakeEnvironment(config), -90, 0, {1, 0, 0});
+}
+
+TEST_F(ImageEnvironment, NamesWhatIsWrongWithAFile) {
+  const auto panorama = EnvironmentType::kPanorama;
+  EXPECT_EQ(ErrorOf(Named(panorama, "no.png")), "s.yaml:3:4: no such image file (found 'no.png')");
+  std::ofstream(folder_.path() / "empty.png").close();
+  EXPECT_THAT(ErrorOf(Named(panorama, "empty.png")), HasSubstr("is empty"));
+  for (const char* name : {"bad.png", "bad.jpg", "bad.hdr", "bad.exr"}) {
+    std::ofstream(folder_.path() / name) << "#?RADIANCE this is no image";
+    EXPECT_THAT(ErrorOf(Named(panorama, name)), HasSubstr("s.yaml:3:4: ")) << name;
+  }
+  EXPECT_THAT(ErrorOf(WithImage(panorama, 300, 300, "square.png")), HasSubstr("twice as wide"));
+}
+
+TEST(RealImages, AreExposedToMidGrey) {
+  const std::filesystem::path folder =
+      std::filesystem::path(WINDHOVER_REAL_INPUTS_DIR) / "environments";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no real inputs beside the repository";
+  for (const char* name : {"forest.exr", "courtyard.exr", "home_office_1024x512.hdr"}) {
+    EnvironmentConfig config = OfType(EnvironmentType::kPanorama);
+    config.file = {.as_given = name, .absolute = (folder / name).string(), .where = "s.yaml:1:1"};
+    const auto environment = MakeEnvironment(config);
+    const SkyLight light(config, *environment);
+    const float mean = light.AmbientRadiance({0, 0, 1}).mean();
+    EXPECT_GT(mean, 0.05f) << name;
+    EXPECT_LT(mean, 0.9f) << name;
+  }
+}
+
+}  // namespace
+}  // namespace windhover

@@ -1,0 +1,121 @@
+#include "render/sensor.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/image/srgb.h"
+
+namespace windhover {
+namespace {
+
+constexpr int kCount = 3840, kRows = 200;
+
+struct Moments {
+  double mean = 0, variance = 0;
+};
+
+Moments MomentsAt(const Sensor& sensor, std::uint16_t light) {
+  double sum = 0, squares = 0;
+  for (int row = 0; row < kRows; ++row) {
+    std::vector<std::uint16_t> values(kCount, light);
+    sensor.AddNoise({.seed = 3, .aircraft_id = 0, .eye = 0, .tick = 5}, row, kCount, values.data());
+    for (const std::uint16_t value : values) {
+      sum += value;
+      squares += static_cast<double>(value) * value;
+    }
+  }
+  const double n = static_cast<double>(kCount) * kRows;
+  return {sum / n, squares / n - sum * sum / (n * n)};
+}
+
+// Photon transfer (EMVA 1288, section 6): variance over mean is one electron, and at dark it is
+// the read noise. 768,000 draws know a variance to sqrt(2 / n) = 0.16 %.
+TEST(Sensor, TransfersPhotons) {
+  const SensorConfig config{.noise = true, .full_well_e = 10000, .read_noise_e = 8};
+  const Sensor sensor(config);
+  const double light_per_e = 65535 / config.full_well_e;
+  for (const double electrons : {200.0, 1000.0, 5000.0, 9000.0}) {
+    const auto light = static_cast<std::uint16_t>(std::lround(electrons * light_per_e));
+    const Moments moments = MomentsAt(sensor, light);
+    const double exact_variance = (light / light_per_e + 64) * light_per_e * light_per_e;
+    EXPECT_NEAR(moments.variance / exact_variance, 1, 0.01) << electrons;
+    EXPECT_NEAR(moments.mean, light, 4 * std::sqrt(exact_variance / (kCount * kRows))) << electrons;
+  }
+}
+
+TEST(Sensor, ClipsAtBlackAndWhite) {
+  const Sensor sensor(SensorConfig{.noise = true, .full_well_e = 1000, .read_noise_e = 30});
+  std::vector<std::uint16_t> dark(kCount, 0), white(kCount, 65535);
+  sensor.AddNoise({1, 0, 0, 0}, 0, kCount, dark.data());
+  sensor.AddNoise({1, 0, 0, 0}, 1, kCount, white.data());
+  EXPECT_EQ(*std::min_element(dark.begin(), dark.end()), 0);
+  EXPECT_LT(*std::max_element(dark.begin(), dark.end()), 20000);
+  EXPECT_EQ(*std::max_element(white.begin(), white.end()), 65535);
+}
+
+std::vector<double> NoiseOf(const NoiseKey& key) {
+  const Sensor sensor(SensorConfig{});
+  std::vector<double> noise;
+  for (int row = 0; row < kRows; ++row) {
+    std::vector<std::uint16_t> values(kCount, 30000);
+    sensor.AddNoise(key, row, kCount, values.data());
+    for (const std::uint16_t value : values) noise.push_back(value - 30000.0);
+  }
+  return noise;
+}
+
+double Correlation(const std::vector<double>& a, const std::vector<double>& b,
+                   std::size_t lag = 0) {
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t i = 0; i + lag < a.size(); ++i) {
+    ab += a[i] * b[i + lag];
+    aa += a[i] * a[i];
+    bb += b[i + lag] * b[i + lag];
+  }
+  return ab / std::sqrt(aa * bb);
+}
+
+// Independent samples correlate by 1 / sqrt(768,000) = 0.0011 rms.
+TEST(Sensor, NoiseOfEyesTicksAircraftAndSeedsIsIndependent) {
+  const NoiseKey left{.seed = 3, .aircraft_id = 0, .eye = 0, .tick = 7};
+  NoiseKey right = left, later = left, other = left, reseeded = left;
+  right.eye = 1;
+  later.tick = 8;
+  other.aircraft_id = 1;
+  reseeded.seed = 4;
+  const std::vector<double> noise = NoiseOf(left);
+  for (const NoiseKey& key : {right, later, other, reseeded}) {
+    EXPECT_LT(std::abs(Correlation(noise, NoiseOf(key))), 0.01);
+  }
+  EXPECT_EQ(noise, NoiseOf(left));
+}
+
+TEST(Sensor, NoiseOfNeighboursIsIndependent) {
+  const std::vector<double> noise = NoiseOf({3, 0, 0, 7});
+  for (const std::size_t lag : {1, 2, 3, 6, kCount}) {
+    EXPECT_LT(std::abs(Correlation(noise, noise, lag)), 0.01) << lag;
+  }
+}
+
+TEST(Sensor, TransfersBySrgb) {
+  const Sensor sensor(SensorConfig{});
+  for (int byte = 0; byte < 256; ++byte) {
+    const auto light =
+        static_cast<std::uint16_t>(std::lround(65535 * LinearFromSrgb(byte / 255.0)));
+    std::uint8_t out = 0;
+    sensor.Transfer(&light, 1, &out);
+    EXPECT_NEAR(out, byte, 1) << byte;  // The table's steps of 8 are below half a byte.
+  }
+}
+
+TEST(Sensor, CanBeClean) {
+  const Sensor sensor(SensorConfig{.noise = false});
+  std::vector<std::uint16_t> values(100, 1234);
+  sensor.AddNoise({1, 0, 0, 0}, 0, 100, values.data());
+  EXPECT_EQ(values, std::vector<std::uint16_t>(100, 1234));
+}
+
+}  // namespace
+}  // namespace windhover
