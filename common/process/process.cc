@@ -77,10 +77,12 @@ int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>
 }
 
 int RunProcess(const std::string& name, const std::string& purpose, int argc, char** argv,
-               const std::function<void(const ProcessArgs&)>& body) {
+               const std::function<void(const ProcessArgs&)>& body,
+               const std::function<void(CLI::App&)>& add_options) {
   ProcessArgs args;
   CLI::App app(purpose, name);
   AddProcessOptions(app, &args);
+  if (add_options) add_options(app);
   app.footer(fmt::format("Example: {} runs/x/resolved.yaml --lcm-url tcpq://127.0.0.1:7700", name));
   return RunProgram(app, argc, argv, [&] { body(args); });
 }

@@ -33,9 +33,10 @@ struct ProcessArgs {
 
 /// The body of the main() of every process of a run: parses the arguments, runs `body`, turns an
 /// exception into `name: error: …` on stderr and an exit status: 0 done, 2 wrong usage or input
-/// (ConfigError), 3 anything else, 130 interrupted.
+/// (ConfigError), 3 anything else, 130 interrupted. `add_options` adds those of this process alone.
 int RunProcess(const std::string& name, const std::string& purpose, int argc, char** argv,
-               const std::function<void(const ProcessArgs&)>& body);
+               const std::function<void(const ProcessArgs&)>& body,
+               const std::function<void(CLI::App&)>& add_options = {});
 
 /// The same for a program whose arguments are others: `app` describes them.
 int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>& body);

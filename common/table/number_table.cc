@@ -105,6 +105,11 @@ NumberTable ReadNumberTable(const std::string& file, int n_columns, bool more_al
     }
     in_header = false;
     NumberTable::Row row{line, {}};
+    // Rows may be longer than asked for, but must then all be alike.
+    if (more_allowed && !table.rows.empty()) {
+      n_columns = static_cast<int>(table.rows.front().values.size());
+      more_allowed = false;
+    }
     if (const auto problem = ReadRow(fields, n_columns, more_allowed, &row.values);
         problem.empty()) {
       table.rows.push_back(std::move(row));

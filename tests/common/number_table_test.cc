@@ -65,7 +65,8 @@ TEST_F(NumberTableTest, ReportsEveryBadLine) {
 }
 
 TEST_F(NumberTableTest, MoreColumnsOnlyWhereAllowed) {
-  EXPECT_EQ(Findings(File("7,8,9\n"), 2, true), "");
+  EXPECT_EQ(Findings(File("7,8,9\n1,2,3\n"), 2, true), "");
+  EXPECT_EQ(Findings(File("7,8,9\n1,2\n"), 2, true), "f.csv:2: must have 3 columns (found 2)");
 }
 
 TEST_F(NumberTableTest, StopsListingAfterTwenty) {

@@ -1,0 +1,88 @@
+#include "sim/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "common/geometry/rotation.h"
+#include "lcmtypes/uav_truth_t.hpp"
+
+namespace windhover {
+namespace {
+
+constexpr double kLargestCommand_mps = 100, kLargestCommand_radps = 100;
+
+void CopyTo(const Eigen::Vector3d& v, double* out) { std::copy_n(v.data(), 3, out); }
+
+}  // namespace
+
+int NumberOfTicks(const Scenario& scenario) {
+  return std::max(1, static_cast<int>(std::lround(scenario.duration_s * scenario.frame_rate_hz)));
+}
+
+World::World(const Scenario& scenario) {
+  const double end_s = (NumberOfTicks(scenario) - 1) / scenario.frame_rate_hz;
+  for (const Aircraft& aircraft : scenario.aircraft) {
+    const std::string name = fmt::format("uav{}", aircraft.self.id);
+    bodies_.push_back(
+        {aircraft.self.id, MakePath(aircraft, end_s),
+         CommandedFlight(Eigen::Vector3d(aircraft.position_m.data()), RadFromDeg(aircraft.yaw_deg)),
+         FlightCommand{}, Rotors(aircraft.type, scenario.random_seed, name), Kinematics{}});
+    Body& body = bodies_.back();
+    body.state = body.path ? body.path->At(0) : body.flight.State();
+  }
+}
+
+void World::AdvanceTo(Utime utime) {
+  if (utime < utime_) throw std::logic_error("the world cannot go back in time");
+  if (utime == utime_) return;
+  const double duration_s = SecondsFromUtime(utime - utime_);
+  for (Body& body : bodies_) {
+    if (body.path) {
+      body.state = body.path->At(SecondsFromUtime(utime));
+    } else {
+      body.flight.Advance(duration_s, body.command);
+      body.state = body.flight.State();
+    }
+    body.rotors.Advance(duration_s, body.state);
+  }
+  utime_ = utime;
+}
+
+void World::Command(int position, const FlightCommand& command) {
+  if (!(command.v_WB_mps.norm() <= kLargestCommand_mps) ||
+      !(std::abs(command.yaw_rate_radps) <= kLargestCommand_radps)) {
+    throw std::invalid_argument(fmt::format(
+        "a velocity command must be finite and at most {} m/s and {} rad/s (found [{}, {}, {}] "
+        "m/s, {} rad/s)",
+        kLargestCommand_mps, kLargestCommand_radps, command.v_WB_mps.x(), command.v_WB_mps.y(),
+        command.v_WB_mps.z(), command.yaw_rate_radps));
+  }
+  bodies_[position].command = command;
+}
+
+world_truth_t World::Truth() const {
+  world_truth_t truth{};
+  truth.utime = utime_;
+  truth.n_uavs = size();
+  for (const Body& body : bodies_) {
+    uav_truth_t uav{};
+    uav.id = body.id;
+    CopyTo(body.state.p_WB_m, uav.p_WB_m);
+    CopyTo(body.state.v_WB_mps, uav.v_WB_mps);
+    CopyTo(body.state.a_WB_mps2, uav.a_WB_mps2);
+    CopyTo(body.state.w_WB_B_radps, uav.w_WB_B_radps);
+    uav.qw = body.state.q_WB.w();
+    uav.qx = body.state.q_WB.x();
+    uav.qy = body.state.q_WB.y();
+    uav.qz = body.state.q_WB.z();
+    std::copy_n(body.rotors.phase_rev().begin(), 4, uav.rotor_phase_rev);
+    std::copy_n(body.rotors.rate_hz().begin(), 4, uav.rotor_rate_hz);
+    truth.uavs.push_back(std::move(uav));
+  }
+  return truth;
+}
+
+}  // namespace windhover

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/time/sim_time.h"
+#include "lcmtypes/world_truth_t.hpp"
+#include "scenarios/scenario.h"
+#include "sim/commanded_flight.h"
+#include "sim/path.h"
+#include "sim/rotors.h"
+
+namespace windhover {
+
+/// All aircraft of a scenario, moving through simulated time.
+class World {
+ public:
+  /// At time 0.
+  /// @throws ConfigError if a trajectory cannot be used or is shorter than the run.
+  explicit World(const Scenario& scenario);
+
+  /// Moves everything on. @pre utime is not before the present.
+  void AdvanceTo(Utime utime);
+
+  /// What the aircraft at `position` in the scenario does from now on, if it is commanded.
+  /// @throws std::invalid_argument if the command is not finite or faster than 100 m/s; the
+  /// dynamics never see it.
+  void Command(int position, const FlightCommand& command);
+
+  bool IsCommanded(int position) const { return bodies_[position].path == nullptr; }
+  int size() const { return static_cast<int>(bodies_.size()); }
+  Utime utime() const { return utime_; }
+  const Kinematics& State(int position) const { return bodies_[position].state; }
+
+  /// The truth of now, sorted by id.
+  world_truth_t Truth() const;
+
+ private:
+  struct Body {
+    int id;
+    std::unique_ptr<Path> path;  ///< Null: `flight` under `command`.
+    CommandedFlight flight;
+    FlightCommand command;
+    Rotors rotors;
+    Kinematics state;
+  };
+
+  std::vector<Body> bodies_;
+  Utime utime_ = 0;
+};
+
+/// Ticks of a run.
+int NumberOfTicks(const Scenario& scenario);
+
+}  // namespace windhover
