@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "lcmtypes/nav_state_t.hpp"
+#include "lcmtypes/range_t.hpp"
+#include "lcmtypes/velocity_command_t.hpp"
+#include "scenarios/aircraft_config.h"
+
+namespace windhover {
+
+/// Decides what one aircraft does next from what it knows of itself and what it sees. One class a
+/// file; MakeFlightController knows them all.
+class FlightController {
+ public:
+  virtual ~FlightController() = default;
+
+  /// Called once per tick, in order of time. `ranges` is empty where the aircraft sees nothing.
+  virtual velocity_command_t Control(const nav_state_t& nav, const range_t& ranges) = 0;
+};
+
+/// The controller that the aircraft asks for; null where sim moves it (hold, trajectory, …).
+std::unique_ptr<FlightController> MakeFlightController(const AircraftConfig& config,
+                                                       const AircraftSelf& self);
+
+}  // namespace windhover

@@ -1,0 +1,108 @@
+#include "swarm/follow_controller.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace windhover {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kMemory_s = 1;
+constexpr double kYawGain_per_s = 1.25, kLargestYawRate_radps = 1;
+constexpr double kGravity_mps2 = 9.80665;
+
+Vector3d Limited(const Vector3d& v, double largest) {
+  const double norm = v.norm();
+  return norm > largest ? Vector3d(v * (largest / norm)) : v;
+}
+
+Eigen::Isometry3d X_WB(const nav_state_t& nav) {
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  X_WB.translation() = Vector3d(nav.p_WB_m);
+  X_WB.linear() = Eigen::Quaterniond(nav.qw, nav.qx, nav.qy, nav.qz).toRotationMatrix();
+  return X_WB;
+}
+
+double LargestAcceleration(const CalibratedRig& rig) {
+  constexpr double kShareOfField = 0.6, kLeast_mps2 = 0.3, kMost_mps2 = 3;
+  const double half_field_rad = std::atan(rig.image[1] / 2.0 / rig.FocalPx());
+  return std::clamp(kGravity_mps2 * std::tan(kShareOfField * half_field_rad), kLeast_mps2,
+                    kMost_mps2);
+}
+
+}  // namespace
+
+double BrakingSpeed(double error_m, double gain_per_s, double deceleration_mps2) {
+  if (gain_per_s <= 0) return 0;
+  const double distance_m = std::abs(error_m), knee_mps = deceleration_mps2 / gain_per_s;
+  const double speed_mps =
+      distance_m * gain_per_s < knee_mps
+          ? distance_m * gain_per_s
+          : std::sqrt(2 * deceleration_mps2 * distance_m - knee_mps * knee_mps);
+  return std::copysign(speed_mps, error_m);
+}
+
+FollowController::FollowController(const AircraftConfig& config, const FollowConfig& follow)
+    : config_(follow),
+      method_(config.estimator.in_loop),
+      X_BR_(config.rig.X_BR()),
+      frame_s_(1 / config.frame_rate_hz),
+      largest_mps2_(LargestAcceleration(config.rig)) {}
+
+void FollowController::Look(const nav_state_t& nav, const range_t& ranges) {
+  const range_estimate_t* nearest = nullptr;
+  for (const range_estimate_t& estimate : ranges.estimates) {
+    if (estimate.method != method_ || estimate.status != range_estimate_t::STATUS_OK) continue;
+    if (!Vector3d(estimate.p_RT_m).allFinite()) continue;
+    if (nearest == nullptr || estimate.range_m < nearest->range_m) nearest = &estimate;
+  }
+  if (nearest != nullptr) {
+    p_WT_m_ = X_WB(nav) * X_BR_ * Vector3d(nearest->p_RT_m);
+    seen_utime_ = nav.utime;
+  } else if (SecondsFromUtime(nav.utime - seen_utime_) > kMemory_s) {
+    p_WT_m_.reset();
+  }
+}
+
+FollowController::Wish FollowController::WishFor(const nav_state_t& nav) const {
+  if (!p_WT_m_) return {};
+  const Eigen::Isometry3d X_WR = X_WB(nav) * X_BR_;
+  const Vector3d to_target_m = *p_WT_m_ - X_WR.translation();
+  const Vector3d level_m(to_target_m.x(), to_target_m.y(), 0);
+  const Vector3d line = level_m.norm() > 1e-3 ? level_m.normalized() : Vector3d::Zero();
+
+  // A fifth of the braking power is left for the lag of the response to commands.
+  const double braking_mps2 = 0.8 * largest_mps2_;
+  const double closing_mps =
+      BrakingSpeed(to_target_m.norm() - config_.distance_m, config_.gain_per_s, braking_mps2);
+  const double climb_mps = BrakingSpeed(to_target_m.z(), config_.gain_per_s, braking_mps2);
+  Wish wish;
+  wish.v_WB_mps = Limited(closing_mps * line + Vector3d(0, 0, climb_mps), config_.max_speed_mps);
+
+  const Vector3d axis = X_WR.linear().col(2);  // The line of sight of the rig.
+  const double bearing_rad =
+      std::remainder(std::atan2(line.y(), line.x()) - std::atan2(axis.y(), axis.x()), 2 * EIGEN_PI);
+  if (!line.isZero()) {
+    wish.yaw_rate_radps =
+        std::clamp(kYawGain_per_s * bearing_rad, -kLargestYawRate_radps, kLargestYawRate_radps);
+  }
+  return wish;
+}
+
+velocity_command_t FollowController::Control(const nav_state_t& nav, const range_t& ranges) {
+  Look(nav, ranges);
+  const Wish wish = WishFor(nav);
+  const double elapsed_s = last_utime_ ? SecondsFromUtime(nav.utime - *last_utime_) : frame_s_;
+  last_utime_ = nav.utime;
+  last_v_WB_mps_ += Limited(wish.v_WB_mps - last_v_WB_mps_, largest_mps2_ * elapsed_s);
+
+  velocity_command_t command{};
+  command.utime = nav.utime;
+  command.id = nav.id;
+  std::copy_n(last_v_WB_mps_.data(), 3, command.v_WB_mps);
+  command.yaw_rate_radps = wish.yaw_rate_radps;
+  return command;
+}
+
+}  // namespace windhover
