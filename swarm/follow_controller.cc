@@ -9,6 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMemory_s = 1;
+constexpr double kEvasion_mps2 = 3;
 constexpr double kYawGain_per_s = 1.25, kLargestYawRate_radps = 1;
 constexpr double kGravity_mps2 = 9.80665;
 
@@ -24,7 +25,7 @@ Eigen::Isometry3d X_WB(const nav_state_t& nav) {
   return X_WB;
 }
 
-double LargestAcceleration(const CalibratedRig& rig) {
+double GentleAcceleration(const CalibratedRig& rig) {
   constexpr double kShareOfField = 0.6, kLeast_mps2 = 0.3, kMost_mps2 = 3;
   const double half_field_rad = std::atan(rig.image[1] / 2.0 / rig.FocalPx());
   return std::clamp(kGravity_mps2 * std::tan(kShareOfField * half_field_rad), kLeast_mps2,
@@ -48,7 +49,7 @@ FollowController::FollowController(const AircraftConfig& config, const FollowCon
       method_(config.estimator.in_loop),
       X_BR_(config.rig.X_BR()),
       frame_s_(1 / config.frame_rate_hz),
-      largest_mps2_(LargestAcceleration(config.rig)) {}
+      gentle_mps2_(GentleAcceleration(config.rig)) {}
 
 void FollowController::Look(const nav_state_t& nav, const range_t& ranges) {
   const range_estimate_t* nearest = nullptr;
@@ -66,18 +67,22 @@ void FollowController::Look(const nav_state_t& nav, const range_t& ranges) {
 }
 
 FollowController::Wish FollowController::WishFor(const nav_state_t& nav) const {
-  if (!p_WT_m_) return {};
+  Wish wish;
+  wish.largest_mps2 = gentle_mps2_;
+  if (!p_WT_m_) return wish;
   const Eigen::Isometry3d X_WR = X_WB(nav) * X_BR_;
   const Vector3d to_target_m = *p_WT_m_ - X_WR.translation();
   const Vector3d level_m(to_target_m.x(), to_target_m.y(), 0);
   const Vector3d line = level_m.norm() > 1e-3 ? level_m.normalized() : Vector3d::Zero();
 
+  const double distance_m = to_target_m.norm();
+  if (distance_m < config_.distance_m / 2)
+    wish.largest_mps2 = std::max(gentle_mps2_, kEvasion_mps2);
   // A fifth of the braking power is left for the lag of the response to commands.
-  const double braking_mps2 = 0.8 * largest_mps2_;
+  const double braking_mps2 = 0.8 * wish.largest_mps2;
   const double closing_mps =
-      BrakingSpeed(to_target_m.norm() - config_.distance_m, config_.gain_per_s, braking_mps2);
-  const double climb_mps = BrakingSpeed(to_target_m.z(), config_.gain_per_s, braking_mps2);
-  Wish wish;
+      BrakingSpeed(distance_m - config_.distance_m, config_.gain_per_s, braking_mps2);
+  const double climb_mps = BrakingSpeed(to_target_m.z(), config_.gain_per_s, 0.8 * gentle_mps2_);
   wish.v_WB_mps = Limited(closing_mps * line + Vector3d(0, 0, climb_mps), config_.max_speed_mps);
 
   const Vector3d axis = X_WR.linear().col(2);  // The line of sight of the rig.
@@ -95,7 +100,7 @@ velocity_command_t FollowController::Control(const nav_state_t& nav, const range
   const Wish wish = WishFor(nav);
   const double elapsed_s = last_utime_ ? SecondsFromUtime(nav.utime - *last_utime_) : frame_s_;
   last_utime_ = nav.utime;
-  last_v_WB_mps_ += Limited(wish.v_WB_mps - last_v_WB_mps_, largest_mps2_ * elapsed_s);
+  last_v_WB_mps_ += Limited(wish.v_WB_mps - last_v_WB_mps_, wish.largest_mps2 * elapsed_s);
 
   velocity_command_t command{};
   command.utime = nav.utime;

@@ -15,21 +15,23 @@ namespace windhover {
 /// Towards (or away from) the target it flies at BrakingSpeed of the distance error; the target
 /// is where the method `in_loop` puts it, through the calibrated mount and its own attitude.
 /// Frames without an estimate are bridged with the last known place for 1 s; then it hovers.
-/// It accelerates so gently that the tilt this takes does not lift the target out of the image.
+/// It accelerates so gently that the tilt this takes does not lift the target out of the image;
+/// closer than half its distance, getting away comes first.
 class FollowController : public FlightController {
  public:
   FollowController(const AircraftConfig& config, const FollowConfig& follow);
 
   velocity_command_t Control(const nav_state_t& nav, const range_t& ranges) override;
 
-  /// Acceleration that it never exceeds: its tilt is 0.6 of the rig's half vertical field.
-  double LargestAcceleration_mps2() const { return largest_mps2_; }
+  /// Acceleration that keeps the target in view: its tilt is 0.6 of the rig's half vertical field.
+  double GentleAcceleration_mps2() const { return gentle_mps2_; }
 
  private:
   /// What it wants to do before the limits on acceleration.
   struct Wish {
     Eigen::Vector3d v_WB_mps = Eigen::Vector3d::Zero();
     double yaw_rate_radps = 0;
+    double largest_mps2;  ///< Acceleration that it may take.
   };
 
   void Look(const nav_state_t& nav, const range_t& ranges);
@@ -39,7 +41,7 @@ class FollowController : public FlightController {
   std::string method_;
   Eigen::Isometry3d X_BR_;
   double frame_s_;
-  double largest_mps2_;
+  double gentle_mps2_;
 
   std::optional<Eigen::Vector3d> p_WT_m_;  // The target, where last seen.
   Utime seen_utime_ = 0;

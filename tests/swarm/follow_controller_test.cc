@@ -137,7 +137,7 @@ TEST(FollowController, KeepsItsLimits) {
   for (int tick = 0; tick < 100; ++tick) {
     const Vector3d v(controller.Control(NavAt(tick), Ranges({Estimate({3, -20, 500})})).v_WB_mps);
     EXPECT_LE(v.norm(), 2 + 1e-9);
-    EXPECT_LE((v - last).norm(), controller.LargestAcceleration_mps2() * 0.1 + 1e-9);
+    EXPECT_LE((v - last).norm(), controller.GentleAcceleration_mps2() * 0.1 + 1e-9);
     last = v;
   }
   EXPECT_NEAR(last.norm(), 2, 1e-9);
@@ -146,8 +146,16 @@ TEST(FollowController, KeepsItsLimits) {
 // 12 mm on 720 rows of 3.7 um: half the field is 6.4 degrees; 0.6 of it are 3.8 degrees of tilt.
 TEST(FollowController, AcceleratesWithinTheFieldOfView) {
   const FollowController controller(Config(), Follow());
-  EXPECT_NEAR(std::atan(controller.LargestAcceleration_mps2() / 9.80665) * 180 / EIGEN_PI, 3.83,
+  EXPECT_NEAR(std::atan(controller.GentleAcceleration_mps2() / 9.80665) * 180 / EIGEN_PI, 3.83,
               0.01);
+}
+
+TEST(FollowController, GetsAwayFromWhatIsVeryNear) {
+  FollowController controller(Config(), Follow());
+  EXPECT_NEAR(controller.Control(NavAt(0), Ranges({Estimate({0, 0, 6})})).v_WB_mps[0],
+              -controller.GentleAcceleration_mps2() * 0.1, 1e-9);
+  FollowController threatened(Config(), Follow());
+  EXPECT_NEAR(threatened.Control(NavAt(0), Ranges({Estimate({0, 0, 4})})).v_WB_mps[0], -0.3, 1e-9);
 }
 
 TEST(FollowController, FollowsTheNearestByTheMethodInLoop) {
