@@ -26,8 +26,7 @@ struct Outcome {
   std::string errors;
 };
 
-Outcome RunWith(
-    std::vector<std::string> words, const std::function<void()>& body = [] {}) {
+Outcome RunWith(std::vector<std::string> words, const std::function<void()>& body = nullptr) {
   words.insert(words.begin(), "windhover-x");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -38,7 +37,7 @@ Outcome RunWith(
                               [&](const ProcessArgs& args) {
                                 outcome.ran = true;
                                 outcome.args = args;
-                                body();
+                                if (body) body();
                               });
   outcome.errors = testing::internal::GetCapturedStderr();
   testing::internal::GetCapturedStdout();
