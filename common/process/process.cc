@@ -3,6 +3,7 @@
 #include <charconv>
 #include <csignal>
 #include <exception>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -55,6 +56,14 @@ void AddProcessOptions(CLI::App& app, ProcessArgs* args) {
   app.add_flag("--preview", args->preview, "also publish IMAGE_LEFT_<id> and IMAGE_RIGHT_<id>");
 }
 
+// Each line of `what` is an error of its own, and says so.
+void PrintErrors(const std::string& program, const std::string& what) {
+  std::istringstream lines(what);
+  for (std::string line; std::getline(lines, line);) {
+    fmt::print(stderr, "{}: error: {}\n", program, line);
+  }
+}
+
 }  // namespace
 
 bool StopRequested() { return stop_requested != 0; }
@@ -68,7 +77,7 @@ int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kBadUsage;
   } catch (const ConfigError& e) {
-    fmt::print(stderr, "{}: error: {}\n", app.get_name(), e.what());
+    PrintErrors(app.get_name(), e.what());
     return kBadUsage;
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: error: {}\n", app.get_name(), e.what());

@@ -1,0 +1,100 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace windhover {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string kWindhover = std::string(WINDHOVER_BIN_DIR) + "/windhover";
+const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/";
+
+TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
+  for (const char* command :
+       {"run", "check", "keys", "replay", "score", "report", "snapshot", "doctor", "spy"}) {
+    SCOPED_TRACE(command);
+    Program help({kWindhover, command, "--help"});
+    EXPECT_EQ(help.Wait(), 0);
+    EXPECT_THAT(help.Out(), HasSubstr(std::string("Example: windhover ") + command));
+  }
+}
+
+TEST(Windhover, WrongUsageIsExitCode2) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {},
+           {"fly"},
+           {"run"},
+           {"run", "no/such.yaml"},
+           {"run", kScenarios + "ideal_geometric.yaml", "--frames", "shm"},
+           {"run", kScenarios + "ideal_geometric.yaml", "--observe", "x-ray"},
+           {"run", kScenarios + "ideal_geometric.yaml", "--bus", "canbus"},
+           {"keys", "no.such.section"},
+           {"replay", "no/such/run"}}) {
+    std::vector<std::string> words = {kWindhover};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    SCOPED_TRACE(testing::PrintToString(words));
+    Program program(words);
+    EXPECT_EQ(program.Wait(), 2);
+    EXPECT_THAT(program.Err(), StartsWith("windhover: error: "));
+  }
+}
+
+TEST(WindhoverCheck, PrintsEveryMistakeAtItsPlace) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("s.yaml", R"(description: ""
+frame_rat_hz: 20
+duration_s: -1
+observe: pictures
+exposure: {duration_ms: 200}
+estimator: {methods: [baseline], in_loop: size}
+vibration: {source: recorded}
+environment: {type: photo, file: none.jpg}
+aircraft:
+  - {id: 1, controller: trajectory}
+  - {id: 1, position_m: [5, 0, 0]}
+)");
+  Program check({kWindhover, "check", file});
+  EXPECT_EQ(check.Wait(), 2);
+  std::istringstream lines(check.Err());
+  int n = 0;
+  for (std::string line; std::getline(lines, line); ++n) {
+    EXPECT_THAT(line, StartsWith("windhover: error: " + file.string() + ":"));
+  }
+  EXPECT_EQ(n, 10);
+}
+
+TEST(WindhoverCheck, PassesWhatIsRight) {
+  Program check({kWindhover, "check", kScenarios + "uavde_12mm.yaml", "--set", "random_seed=4",
+                 "--resolved"});
+  EXPECT_EQ(check.Wait(), 0) << check.Err();
+  EXPECT_THAT(check.Out(), HasSubstr("random_seed: 4\n"));
+}
+
+TEST(WindhoverKeys, ListsKeysOfASection) {
+  Program keys({kWindhover, "keys", "rig.misalignment"});
+  EXPECT_EQ(keys.Wait(), 0);
+  EXPECT_THAT(keys.Out(), HasSubstr("rig.misalignment.offset_px"));
+  EXPECT_THAT(keys.Out(), HasSubstr("-1000 … 1000; default 0"));
+  EXPECT_THAT(keys.Out(), testing::Not(HasSubstr("duration_s")));
+}
+
+TEST(WindhoverRun, AGeometricRunPassesAndReplays) {
+  const TemporaryFolder folder;
+  Program run({kWindhover, "run", kScenarios + "ideal_geometric.yaml", "--out", folder.path()});
+  EXPECT_EQ(run.Wait(), 0) << run.Err() << run.Out();
+  EXPECT_THAT(run.Out(), HasSubstr("verdict: pass"));
+  Program replay({kWindhover, "replay", folder.path()});
+  EXPECT_EQ(replay.Wait(), 0) << replay.Err();
+  EXPECT_THAT(replay.Out(), HasSubstr("all bits as recorded"));
+  Program failing({kWindhover, "run", kScenarios + "ideal_geometric.yaml", "--out", folder.path(),
+                   "--set", "expect=[{metric: methods.baseline.abs_rel, max: 1e-9}]"});
+  EXPECT_EQ(failing.Wait(), 1) << failing.Err();
+  EXPECT_THAT(failing.Out(), HasSubstr("FAIL"));
+}
+
+}  // namespace
+}  // namespace windhover
