@@ -61,13 +61,15 @@ RunSummary Summary(const RunOutcome& outcome, const Bus& bus, double wall_s) {
 RunSummary RunInOneProcess(const Scenario& given, const std::filesystem::path& run_dir,
                            const RunOptions& options) {
   Scenario scenario = given;
-  scenario.execution = {.deadline_s = given.execution.deadline_s};  // One of each.
+  scenario.execution = {};  // One of each.
+  scenario.execution.deadline_s = given.execution.deadline_s;
   Progress progress(isatty(STDERR_FILENO) != 0);
   Clock::time_point start = Clock::now();
-  SimOptions sim_options{.run_id = kRunId,
-                         .log_file = run_dir / "run.lcm",
-                         .pixels = RecordedPixelsFromName(options.record),
-                         .realtime = options.realtime};
+  SimOptions sim_options;
+  sim_options.run_id = kRunId;
+  sim_options.log_file = run_dir / "run.lcm";
+  sim_options.pixels = RecordedPixelsFromName(options.record);
+  sim_options.realtime = options.realtime;
   sim_options.on_tick = [&](int tick, int n_ticks) {
     if (tick == 0) start = Clock::now();
     progress.Update(tick + 1, n_ticks);

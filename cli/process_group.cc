@@ -143,22 +143,24 @@ std::vector<ProcessEvent> ProcessGroup::Wait(std::chrono::milliseconds timeout) 
   }
   // Interrupted by a signal is as good as a time-out: the caller looks whether to stop.
   poll(fds.data(), fds.size(), static_cast<int>(timeout.count()));
-  std::vector<ProcessEvent> events;
+  // Ends are taken note of first and told last: what any process said before another ended (that
+  // the run is over, say) is heard before it.
+  std::vector<ProcessEvent> ends, events;
   for (const auto& child : children_) {
-    child->ReadLines(&events);
-    if (child->running) Reap(*child, &events);
+    if (child->running) Reap(*child, &ends);
   }
+  for (const auto& child : children_) child->ReadLines(&events);
+  events.insert(events.end(), ends.begin(), ends.end());
   return events;
 }
 
-void ProcessGroup::Reap(Child& child, std::vector<ProcessEvent>* events) {
+void ProcessGroup::Reap(Child& child, std::vector<ProcessEvent>* ends) {
   int status = 0;
   rusage usage{};
   if (wait4(child.pid, &status, WNOHANG, &usage) != child.pid) return;
   child.running = false;
   peak_rss_mib_[child.name] = static_cast<double>(usage.ru_maxrss) / 1024;
-  child.ReadLines(events);
-  events->push_back({ProcessEvent::Kind::kExit, child.name, "", status});
+  ends->push_back({ProcessEvent::Kind::kExit, child.name, "", status});
 }
 
 std::vector<std::string> ProcessGroup::Running() const {

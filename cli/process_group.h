@@ -42,7 +42,7 @@ class ProcessGroup {
   /// @throws std::runtime_error naming the program if it cannot be started.
   void Start(const ProcessSpec& spec);
 
-  /// Waits up to `timeout` for lines and exits; of one process, its lines come before its exit.
+  /// Waits up to `timeout` for lines and exits. What was said before an exit comes before it.
   std::vector<ProcessEvent> Wait(std::chrono::milliseconds timeout);
 
   std::vector<std::string> Running() const;
@@ -59,7 +59,7 @@ class ProcessGroup {
  private:
   struct Child;
 
-  void Reap(Child& child, std::vector<ProcessEvent>* events);
+  void Reap(Child& child, std::vector<ProcessEvent>* ends);
 
   std::filesystem::path log_folder_;
   std::vector<std::unique_ptr<Child>> children_;

@@ -257,7 +257,7 @@ struct ExecutionConfig {
   int render_processes = 1;
   int estimator_processes = 1;
   int swarm_processes = 1;
-  double deadline_s = 10;
+  double deadline_s = 30;
 
   template <typename Visitor>
   void Fields(Visitor& v) {

@@ -80,7 +80,7 @@ int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>
     PrintErrors(app.get_name(), e.what());
     return kBadUsage;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "{}: error: {}\n", app.get_name(), e.what());
+    PrintErrors(app.get_name(), e.what());
     return StopRequested() ? kInterrupted : kFailed;
   }
 }
