@@ -24,7 +24,6 @@ PreparedModel::PreparedModel(AircraftModel model, double radius_m)
   for (int i = 0; i < kLevels; ++i) {
     level.max_edge_m = size_m * kCoarsest_share / static_cast<float>(1 << i);
     level.body = WithShortEdges(std::move(level.body), level.max_edge_m);
-    level.discs = WithShortEdges(std::move(level.discs), level.max_edge_m);
     levels_.push_back(level);
   }
   const Mesh& finest = levels_.back().body;

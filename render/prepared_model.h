@@ -11,7 +11,8 @@ namespace windhover {
 /// A model at one fineness of its triangles.
 struct DetailLevel {
   float max_edge_m;
-  Mesh body, discs;
+  Mesh body;
+  Mesh discs;  ///< The same at each level: only their rims show, and those are short edges.
 };
 
 /// A model made ready for drawing: short edges for lens distortion, self-shading, outline.

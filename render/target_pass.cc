@@ -22,11 +22,11 @@ struct ProjectedMesh {
 };
 
 // Samples a pixel along each axis, so that a silhouette's centroid is true to a few hundredths
-// of a pixel at every size (docs/sources.md).
-int SamplesFor(double extent_px) {
-  if (extent_px < 64) return 8;
-  if (extent_px < 128) return 4;
-  return extent_px < 256 ? 3 : 2;
+// of a pixel at every size (docs/sources.md). Sub-exposures are samples too.
+int SamplesFor(double extent_px, std::size_t exposures) {
+  const int alone = extent_px < 64 ? 8 : extent_px < 128 ? 4 : extent_px < 256 ? 3 : 2;
+  const double shared = std::ceil(alone / std::sqrt(static_cast<double>(exposures)));
+  return std::max(2, static_cast<int>(shared));
 }
 
 ProjectedMesh Project(const Mesh& mesh, const PinholeRadtan& camera,
@@ -149,24 +149,25 @@ class LayerSum {
     const TargetCanvas::Pixel* sample = canvas.data();
     for (int y = 0; y < tile.height * s; ++y) {
       const int row = tile.y0 - layer_.roi.y0 + y / s;
-      std::uint64_t* sum =
+      std::uint32_t* sum =
           sums_.data() + 4 * (static_cast<std::ptrdiff_t>(row) * layer_.roi.width + x_offset);
       TargetLayer::Sample* mask =
           layer_.samples.data() +
           (static_cast<std::ptrdiff_t>(tile.y0 - layer_.roi.y0) * s + y) * layer_.roi.width * s +
           x_offset * s;
       for (int x = 0; x < tile.width; ++x, sum += 4) {
-        for (int i = 0; i < s; ++i, ++sample) {
+        for (int i = 0; i < s; ++i, ++sample, ++mask) {
+          if ((*sample)[3] == 0) continue;  // Most samples.
           for (std::size_t c = 0; c < 4; ++c) sum[c] += (*sample)[c];
-          if (is_middle) *mask++ = SampleOf((*sample)[3]);
+          if (is_middle) *mask = SampleOf((*sample)[3]);
         }
       }
     }
   }
 
   TargetLayer Mean(std::size_t exposures) && {
-    const std::uint64_t count =
-        exposures * static_cast<std::size_t>(layer_.samples_per_px * layer_.samples_per_px);
+    const auto count = static_cast<std::uint32_t>(
+        exposures * static_cast<std::size_t>(layer_.samples_per_px * layer_.samples_per_px));
     layer_.pixels.resize(sums_.size() / 4);
     for (std::size_t i = 0; i < layer_.pixels.size(); ++i) {
       for (std::size_t c = 0; c < 4; ++c) {
@@ -178,7 +179,7 @@ class LayerSum {
 
  private:
   TargetLayer layer_;
-  std::vector<std::uint64_t> sums_;
+  std::vector<std::uint32_t> sums_;  ///< Below 2^16 · 8² samples · 256 exposures = 2^30.
 };
 
 }  // namespace
@@ -229,7 +230,7 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const PinholeRadtan& ca
   const PixelRect roi = bounds.Within(width_px, height_px);
   if (roi.IsEmpty()) return {};
   const int samples_per_px =
-      SamplesFor(std::max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min));
+      SamplesFor(std::max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min), X_CB.size());
   const int tile_px = TargetCanvas::kMaxSize / samples_per_px;
   LayerSum sum(roi, samples_per_px);
   for (std::size_t i = 0; i < exposures.size(); ++i) {

@@ -73,6 +73,38 @@ BENCHMARK(BM_StereoPair)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
+// The rig of scenarios/presets/uavde_12mm.yaml in flight: how many parts an exposure needs.
+void BM_VibratingPair(benchmark::State& state) {
+  Scenario scenario = BenchScenario();
+  scenario.vibration.source = VibrationSource::kPsd;
+  scenario.flex.enabled = true;
+  scenario.flex.frequency_hz = 62;
+  scenario.flex.damping = 0.04;
+  scenario.exposure.duration_ms = 3;
+  StereoRenderer renderer(scenario, {0}, static_cast<int>(state.range(0)));
+  const SceneGeometry geometry(scenario, {0});
+  renderer.Render(WorldAt(0), 0);
+  double exposures = 0;
+  int i = 0;
+  for (auto _ : state) {
+    world_truth_t world = WorldAt(i % kPoses);
+    world.utime = 50'000 * i;
+    benchmark::DoNotOptimize(renderer.Render(world, i++));
+    exposures += static_cast<double>(PlanExposure(scenario.exposure, world, 0,
+                                                  geometry.Observers()[0].motion,
+                                                  scenario.rig.calibrated.FocalPx())
+                                         .offsets_s.size());
+  }
+  state.counters["exposures"] = exposures / static_cast<double>(state.iterations());
+}
+BENCHMARK(BM_VibratingPair)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
 // Background and sensor of one pair, without targets.
 void BM_Background(benchmark::State& state) {
   Scenario scenario = BenchScenario();
