@@ -22,7 +22,9 @@ void RunNode(const ProcessArgs& args) {
   const Scenario scenario = LoadScenario(args.scenario_file);
   Bus bus(args.url);
   TickClient client(bus, fmt::format("render-{}", args.share.index), args.run_id);
-  const RenderNode node(scenario, args.share, args.threads, client, args.preview);
+  const std::filesystem::path frames_dir =
+      args.run_dir.empty() ? "" : std::filesystem::path(args.run_dir) / "frames";
+  const RenderNode node(scenario, args.share, args.threads, client, args.preview, frames_dir);
   while (!client.Ended() && !StopRequested()) {
     client.Announce();
     bus.Handle(/*timeout_ms=*/100);

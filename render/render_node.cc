@@ -1,6 +1,7 @@
 #include "render/render_node.h"
 
 #include <array>
+#include <cmath>
 
 #include <xxhash.h>
 
@@ -45,8 +46,12 @@ std::vector<int> OwnedObservers(const Scenario& scenario, const ProcessShare& sh
 }
 
 RenderNode::RenderNode(const Scenario& scenario, const ProcessShare& share, int threads,
-                       TickClient& client, bool preview)
-    : scenario_(scenario), preview_(preview), client_(client) {
+                       TickClient& client, bool preview, const std::filesystem::path& frames_dir)
+    : scenario_(scenario),
+      preview_(preview),
+      key_frames_(frames_dir,
+                  static_cast<int>(std::lround(scenario.duration_s * scenario.frame_rate_hz))),
+      client_(client) {
   const std::vector<int> observers = OwnedObservers(scenario, share);
   if (scenario.observe == Observe::kImage || scenario.observe == Observe::kAnnotated) {
     renderer_ = std::make_unique<StereoRenderer>(scenario, observers, threads);
@@ -75,6 +80,7 @@ void RenderNode::OnTick(int tick) {
 }
 
 void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
+  key_frames_.Keep(pair, tick);
   const int id = pair.annotation.observer_id;
   client_.Publish(channel::FrameDigest(id), DigestOf(pair, tick));
   client_.Publish(channel::Annotation(id), pair.annotation);

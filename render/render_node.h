@@ -5,6 +5,7 @@
 #include "common/bus/tick_client.h"
 #include "common/process/process.h"
 #include "lcmtypes/world_truth_t.hpp"
+#include "render/key_frames.h"
 #include "render/scene_geometry.h"
 #include "render/stereo_renderer.h"
 #include "scenarios/scenario.h"
@@ -22,8 +23,9 @@ class RenderNode {
  public:
   /// Serves the rig-carrying aircraft that `share` owns; `client` must outlive the node.
   /// @throws ConfigError if a file that the scenario names cannot be used.
+  /// `frames_dir` takes the key frames for the report; empty: none.
   RenderNode(const Scenario& scenario, const ProcessShare& share, int threads, TickClient& client,
-             bool preview = false);
+             bool preview = false, const std::filesystem::path& frames_dir = {});
   RenderNode(const RenderNode&) = delete;
 
  private:
@@ -33,6 +35,7 @@ class RenderNode {
 
   const Scenario scenario_;
   const bool preview_;
+  const KeyFrames key_frames_;
   TickClient& client_;
   world_truth_t world_{};
   std::unique_ptr<StereoRenderer> renderer_;  ///< When observe needs pixels; else geometry_.
