@@ -18,9 +18,9 @@ constexpr int kLevels = 5;                // Each halves the edges of the one be
 
 PreparedModel::PreparedModel(AircraftModel model, double radius_m)
     : radius_m_(radius_m), disc_alpha_(model.disc_alpha), watertight_(model.watertight) {
-  const float size_m =
-      BoundingBox(model.body).merged(BoundingBox(model.rotor_discs)).diagonal().norm();
-  DetailLevel level{size_m, std::move(model.body), std::move(model.rotor_discs)};
+  const Eigen::AlignedBox3f box = BoundingBox(model.body).merged(BoundingBox(model.rotor_discs));
+  const float size_m = box.diagonal().norm();
+  DetailLevel level{size_m, std::move(model.body), box, std::move(model.rotor_discs)};
   for (int i = 0; i < kLevels; ++i) {
     level.max_edge_m = size_m * kCoarsest_share / static_cast<float>(1 << i);
     level.body = WithShortEdges(std::move(level.body), level.max_edge_m);

@@ -12,6 +12,7 @@ namespace windhover {
 struct DetailLevel {
   float max_edge_m;
   Mesh body;
+  Eigen::AlignedBox3f box;  ///< Around body and discs.
   Mesh discs;  ///< The same at each level: only their rims show, and those are short edges.
 };
 

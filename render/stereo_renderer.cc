@@ -21,7 +21,8 @@ struct StereoRenderer::Eye {
   Observer* observer = nullptr;
   std::optional<RayGrid> rays;
   PinholeRadtan camera;
-  std::vector<Eigen::Isometry3d> X_WC;  ///< One a sub-exposure.
+  std::vector<Eigen::Isometry3d> X_WC;           ///< One a sub-exposure.
+  std::vector<Eigen::Matrix3d> R_WC_background;  ///< One a sub-exposure of the background.
   std::vector<WarpGrid> warps;
 };
 
@@ -79,12 +80,25 @@ StereoRenderer::~StereoRenderer() = default;
 void StereoRenderer::PlanObserver(const world_truth_t& world, Observer* observer) const {
   const ObserverRig& rig = observer->rig;
   observer->annotation = geometry_.Annotate(world, observer->index);
-  observer->plan = PlanExposure(scenario_.exposure, world, rig.position, rig.motion,
-                                scenario_.rig.calibrated.FocalPx());
+  const double focal_px = scenario_.rig.calibrated.FocalPx();
+  observer->plan = PlanExposure(scenario_.exposure, world, rig.position, rig.motion, focal_px);
+  // The map holds nothing finer than a texel, so the background needs no finer steps.
+  ExposureConfig coarse = scenario_.exposure;
+  coarse.max_blur_px = std::max(coarse.max_blur_px, focal_px / map_.TexelsPerRad());
+  const ExposurePlan background_plan =
+      PlanExposure(coarse, world, rig.position, rig.motion, focal_px);
   const Eigen::Vector3d axis_W = (PoseAt(world.uavs[rig.position], 0) * rig.X_BR).linear().col(2);
   observer->chart = ChartFor(axis_W);
   observer->u_near = map_.PlaceOf(axis_W, observer->chart).x();
-  for (Eye& eye : observer->eyes) eye.X_WC.clear();
+  for (Eye& eye : observer->eyes) {
+    eye.X_WC.clear();
+    eye.R_WC_background.clear();
+  }
+  for (const double dt_s : background_plan.offsets_s) {
+    const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, dt_s);
+    observer->eyes[0].R_WC_background.push_back(cameras.X_WL.linear());
+    observer->eyes[1].R_WC_background.push_back(cameras.X_WR.linear());
+  }
   for (const double dt_s : observer->plan.offsets_s) {
     const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, dt_s);
     observer->eyes[0].camera = cameras.left;
@@ -92,9 +106,14 @@ void StereoRenderer::PlanObserver(const world_truth_t& world, Observer* observer
     observer->eyes[0].X_WC.push_back(cameras.X_WL);
     observer->eyes[1].X_WC.push_back(cameras.X_WR);
   }
+  SortFarToNear(observer);
+}
+
+void StereoRenderer::SortFarToNear(Observer* observer) const {
+  const std::size_t own = observer->rig.position;
   observer->far_to_near.clear();
-  for (std::size_t i = 0; i < world.uavs.size(); ++i) {
-    if (i != rig.position) observer->far_to_near.push_back(i);
+  for (std::size_t i = 0; i < scenario_.aircraft.size(); ++i) {
+    if (i != own) observer->far_to_near.push_back(i);
   }
   std::stable_sort(observer->far_to_near.begin(), observer->far_to_near.end(),
                    [observer](std::size_t a, std::size_t b) {

@@ -47,6 +47,7 @@ class StereoRenderer {
   struct Eye;
 
   void PlanObserver(const world_truth_t& world, Observer* observer) const;
+  void SortFarToNear(Observer* observer) const;
   void PrepareEye(Eye* eye) const;
   void CoverViews(Observer* observer);
   void ShadeTargets(const world_truth_t& world, Observer* observer) const;

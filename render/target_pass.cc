@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "render/target_canvas.h"
 
@@ -22,10 +23,11 @@ struct ProjectedMesh {
 };
 
 // Samples a pixel along each axis, so that a silhouette's centroid is true to a few hundredths
-// of a pixel at every size (docs/sources.md). Sub-exposures are samples too.
-int SamplesFor(double extent_px, std::size_t exposures) {
+// of a pixel at every size (docs/sources.md). Images drawn anew for each sub-exposure are
+// samples too.
+int SamplesFor(double extent_px, std::size_t drawings) {
   const int alone = extent_px < 64 ? 8 : extent_px < 128 ? 4 : extent_px < 256 ? 3 : 2;
-  const double shared = std::ceil(alone / std::sqrt(static_cast<double>(exposures)));
+  const double shared = std::ceil(alone / std::sqrt(static_cast<double>(drawings)));
   return std::max(2, static_cast<int>(shared));
 }
 
@@ -70,6 +72,15 @@ struct Bounds {
         inverse_far = std::min(inverse_far, v.inverse_depth);
       }
     }
+  }
+
+  double Extent_px() const { return std::max(x_max - x_min, y_max - y_min); }
+
+  void Grow(double margin_px) {
+    x_min -= margin_px;
+    y_min -= margin_px;
+    x_max += margin_px;
+    y_max += margin_px;
   }
 
   PixelRect Within(int width_px, int height_px) const {
@@ -128,10 +139,62 @@ TargetLayer::Sample SampleOf(std::uint16_t coverage) {
   return coverage > 60000 ? TargetLayer::Sample::kOpaque : TargetLayer::Sample::kTranslucent;
 }
 
-// One pose of the target, projected.
-struct SubExposure {
-  ProjectedMesh body, discs;
+struct SampleShift {
+  int columns = 0, rows = 0;
 };
+
+// One pose of the target, projected, and by how many samples its image is moved for each of the
+// sub-exposures that it stands for.
+struct Drawing {
+  ProjectedMesh body, discs;
+  std::vector<SampleShift> shifts;
+};
+
+// How the image of a target moves during an exposure: by `shifts_px` as a whole, and by up to
+// `residual_px` otherwise.
+struct ImageMotion {
+  std::vector<Eigen::Vector2d> shifts_px;
+  double residual_px = 0;
+  double LargestShiftPx() const {
+    double largest = 0;
+    for (const Eigen::Vector2d& shift : shifts_px) largest = std::max(largest, shift.norm());
+    return largest;
+  }
+};
+
+std::vector<SampleShift> InSamples(const ImageMotion& motion, int samples_per_px) {
+  std::vector<SampleShift> shifts;
+  for (const Eigen::Vector2d& shift_px : motion.shifts_px) {
+    shifts.push_back({static_cast<int>(std::lround(shift_px.x() * samples_per_px)),
+                      static_cast<int>(std::lround(shift_px.y() * samples_per_px))});
+  }
+  return shifts;
+}
+
+// Relative to the middle pose. Infinite if the lens does not see all of the target.
+ImageMotion MotionOf(const Eigen::AlignedBox3f& box, const PinholeRadtan& camera,
+                     std::span<const Eigen::Isometry3d> X_CB) {
+  constexpr int kCorners = 8;
+  const Eigen::Isometry3d& X_CB_middle = X_CB[X_CB.size() / 2];
+  ImageMotion motion;
+  for (const Eigen::Isometry3d& pose : X_CB) {
+    std::vector<Eigen::Vector2d> moves;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (int i = 0; i < kCorners; ++i) {
+      const Eigen::Vector3d p_B =
+          box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i)).cast<double>();
+      const auto from = camera.Project(X_CB_middle * p_B), to = camera.Project(pose * p_B);
+      if (!from || !to) return {{}, std::numeric_limits<double>::infinity()};
+      moves.push_back(*to - *from);
+      mean += moves.back() / kCorners;
+    }
+    motion.shifts_px.push_back(mean);
+    for (const Eigen::Vector2d& move : moves) {
+      motion.residual_px = std::max(motion.residual_px, (move - mean).norm());
+    }
+  }
+  return motion;
+}
 
 // Gathers samples of tiles and sub-exposures into a layer.
 class LayerSum {
@@ -144,10 +207,15 @@ class LayerSum {
     layer_.samples.resize(pixels * static_cast<std::size_t>(samples_per_px * samples_per_px));
   }
 
-  void Add(const PixelRect& tile, const std::vector<TargetCanvas::Pixel>& canvas, bool is_middle) {
+  /// Adds `tile`, taken from a canvas that shows it with `margin_px` around, moved by `shift`.
+  void Add(const PixelRect& tile, int margin_px, const SampleShift& shift,
+           const std::vector<TargetCanvas::Pixel>& canvas, bool is_middle) {
     const int s = layer_.samples_per_px, x_offset = tile.x0 - layer_.roi.x0;
-    const TargetCanvas::Pixel* sample = canvas.data();
+    const int stride = (tile.width + 2 * margin_px) * s;
     for (int y = 0; y < tile.height * s; ++y) {
+      const TargetCanvas::Pixel* sample =
+          canvas.data() + static_cast<std::ptrdiff_t>(y + margin_px * s - shift.rows) * stride +
+          margin_px * s - shift.columns;
       const int row = tile.y0 - layer_.roi.y0 + y / s;
       std::uint32_t* sum =
           sums_.data() + 4 * (static_cast<std::ptrdiff_t>(row) * layer_.roi.width + x_offset);
@@ -196,18 +264,22 @@ TargetLayer::Sample TargetLayer::SampleAt(double x_px, double y_px) const {
 struct TargetPass::Gl {
   explicit Gl(std::unique_ptr<GlContext> context) : canvas(std::move(context)) {}
 
-  void DrawTile(const ShadedTarget& target, const SubExposure& exposure, const PixelRect& tile,
+  void DrawTile(const ShadedTarget& target, const Drawing& drawing, const PixelRect& tile,
                 const Bounds& bounds, int samples_per_px) {
     using Surface = TargetCanvas::Surface;
     const CanvasMap map(tile, bounds);
     canvas.Begin(tile.width * samples_per_px, tile.height * samples_per_px);
     canvas.Draw(target.model->IsWatertight() ? Surface::kClosed : Surface::kOpen,
-                OnCanvas(exposure.body, target.body_light, 1, map), exposure.body.triangles);
+                OnCanvas(drawing.body, target.body_light, 1, map), drawing.body.triangles);
     canvas.Draw(Surface::kTranslucent,
-                OnCanvas(exposure.discs, target.disc_light, target.model->DiscAlpha(), map),
-                exposure.discs.triangles);
+                OnCanvas(drawing.discs, target.disc_light, target.model->DiscAlpha(), map),
+                drawing.discs.triangles);
     canvas.Read(&samples);
   }
+
+  /// Mean of all drawings and their shifts, within `roi`; shifts stay below `margin_px`.
+  TargetLayer Gather(const ShadedTarget& target, std::span<const Drawing> drawings,
+                     const Bounds& bounds, const PixelRect& roi, int samples_per_px, int margin_px);
 
   TargetCanvas canvas;
   std::vector<TargetCanvas::Pixel> samples;
@@ -219,31 +291,58 @@ TargetPass::~TargetPass() = default;
 
 TargetLayer TargetPass::Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
                              int height_px, std::span<const Eigen::Isometry3d> X_CB) {
-  std::vector<SubExposure> exposures;
+  constexpr double kMaxResidual_px = 0.1, kMaxShift_px = 128;
+  const ImageMotion motion = MotionOf(target.level->box, camera, X_CB);
+  // A short exposure moves the image as a whole: one drawing serves all sub-exposures.
+  const bool is_shift =
+      motion.residual_px <= kMaxResidual_px && motion.LargestShiftPx() <= kMaxShift_px;
+  const std::span<const Eigen::Isometry3d> drawn =
+      is_shift ? X_CB.subspan(X_CB.size() / 2, 1) : X_CB;
+  std::vector<Drawing> drawings;
   Bounds bounds;
-  for (const Eigen::Isometry3d& pose : X_CB) {
-    exposures.push_back(
-        {Project(target.level->body, camera, pose), Project(target.level->discs, camera, pose)});
-    bounds.Extend(exposures.back().body);
-    bounds.Extend(exposures.back().discs);
+  for (const Eigen::Isometry3d& pose : drawn) {
+    drawings.push_back({Project(target.level->body, camera, pose),
+                        Project(target.level->discs, camera, pose),
+                        {SampleShift{}}});
+    bounds.Extend(drawings.back().body);
+    bounds.Extend(drawings.back().discs);
+  }
+  const int samples_per_px = SamplesFor(bounds.Extent_px(), drawn.size());
+  int margin_px = 0;
+  if (is_shift) {
+    drawings[0].shifts = InSamples(motion, samples_per_px);
+    margin_px = static_cast<int>(std::ceil(motion.LargestShiftPx())) + 1;
+    bounds.Grow(motion.LargestShiftPx());
   }
   const PixelRect roi = bounds.Within(width_px, height_px);
   if (roi.IsEmpty()) return {};
-  const int samples_per_px =
-      SamplesFor(std::max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min), X_CB.size());
-  const int tile_px = TargetCanvas::kMaxSize / samples_per_px;
+  return gl_->Gather(target, drawings, bounds, roi, samples_per_px,
+                     X_CB.size() == 1 ? 0 : margin_px);
+}
+
+TargetLayer TargetPass::Gl::Gather(const ShadedTarget& target, std::span<const Drawing> drawings,
+                                   const Bounds& bounds, const PixelRect& roi, int samples_per_px,
+                                   int margin_px) {
+  const int tile_px = TargetCanvas::kMaxSize / samples_per_px - 2 * margin_px;
   LayerSum sum(roi, samples_per_px);
-  for (std::size_t i = 0; i < exposures.size(); ++i) {
-    for (int y = 0; y < roi.height; y += tile_px) {
-      for (int x = 0; x < roi.width; x += tile_px) {
-        const PixelRect tile{roi.x0 + x, roi.y0 + y, std::min(tile_px, roi.width - x),
-                             std::min(tile_px, roi.height - y)};
-        gl_->DrawTile(target, exposures[i], tile, bounds, samples_per_px);
-        sum.Add(tile, gl_->samples, i == exposures.size() / 2);
+  std::size_t exposures = 0;
+  for (const Drawing& drawing : drawings) exposures += drawing.shifts.size();
+  for (int y = 0; y < roi.height; y += tile_px) {
+    for (int x = 0; x < roi.width; x += tile_px) {
+      const PixelRect tile{roi.x0 + x, roi.y0 + y, std::min(tile_px, roi.width - x),
+                           std::min(tile_px, roi.height - y)};
+      const PixelRect shown{tile.x0 - margin_px, tile.y0 - margin_px, tile.width + 2 * margin_px,
+                            tile.height + 2 * margin_px};
+      std::size_t exposure = 0;
+      for (const Drawing& drawing : drawings) {
+        DrawTile(target, drawing, shown, bounds, samples_per_px);
+        for (const SampleShift& shift : drawing.shifts) {
+          sum.Add(tile, margin_px, shift, samples, exposure++ == exposures / 2);
+        }
       }
     }
   }
-  return std::move(sum).Mean(exposures.size());
+  return std::move(sum).Mean(exposures);
 }
 
 }  // namespace windhover

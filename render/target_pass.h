@@ -43,8 +43,9 @@ class TargetPass {
   ~TargetPass();
   TargetPass(const TargetPass&) = delete;
 
-  /// Draws `target` once from each of the poses `X_CB` (sub-exposures; the middle one is the
-  /// middle of the exposure) into an image of width × height px.
+  /// Draws `target` from the poses `X_CB` (sub-exposures; the middle one is the middle of the
+  /// exposure) into an image of width × height px. Where all of the target moves alike to 0.1 px,
+  /// it is drawn once and its samples are moved by whole samples.
   /// @return an empty layer if the target is not in the image.
   TargetLayer Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
                    int height_px, std::span<const Eigen::Isometry3d> X_CB);
