@@ -100,6 +100,19 @@ Finding CheckSharedMemory() {
           "mount -o remount,size=256M /dev/shm"};
 }
 
+Finding CheckSpy() {
+  std::string missing;
+  for (const char* tool : {"java", "javac", "lcm-gen"}) {
+    if (FindTool(tool).empty()) missing += std::string(" ") + tool;
+  }
+  for (const char* jar : {"/usr/share/java/lcm.jar", "/usr/share/java/jchart2d.jar"}) {
+    if (access(jar, R_OK) != 0) missing += std::string(" ") + jar;
+  }
+  return {"windhover spy", missing.empty(), false,
+          missing.empty() ? "can be built" : "missing:" + missing,
+          "apt-get install default-jdk liblcm-bin liblcm-java libjchart2d-java"};
+}
+
 std::vector<Finding> Examine() {
   std::vector<Finding> findings;
   findings.push_back(CheckPrograms());
@@ -111,8 +124,7 @@ std::vector<Finding> Examine() {
   findings.push_back(CheckMemory());
   findings.push_back(CheckMulticast());
   findings.push_back(CheckSharedMemory());
-  findings.push_back(CheckPackages(
-      "windhover spy", false, {"default-jdk", "liblcm-bin", "liblcm-java", "libjchart2d-java"}));
+  findings.push_back(CheckSpy());
   return findings;
 }
 

@@ -82,34 +82,27 @@ std::string UtcNow() {
   return text.data();
 }
 
-// Time of a stage in all processes, of those that `names` lists.
-double StageMs(const Json& stages, std::initializer_list<const char*> names) {
-  double sum_ms = 0;
-  for (const auto& [process, list] : stages.items()) {
-    for (const Json& stage : list) {
-      const std::string name = stage.value("stage", "");
-      if (std::find(names.begin(), names.end(), name) != names.end()) {
-        sum_ms += stage.value("wall_ms", 0.0);
-      }
+// Mean time of a stage in a tick. Processes of one kind work at the same time: the slowest counts.
+double StageMs(const RunSummary& summary, const std::string& name) {
+  double slowest_ms = 0;
+  for (const auto& [process, stages] : summary.stages.items()) {
+    for (const Json& stage : stages) {
+      if (stage.value("stage", "") != name) continue;
+      slowest_ms = std::max(slowest_ms, stage.value("wall_ms", 0.0));
     }
   }
-  return sum_ms;
+  return slowest_ms / std::max(summary.n_ticks, 1);
 }
 
 Json MeanMs(const RunSummary& summary) {
-  if (summary.n_ticks == 0) return Json::object();
-  const double render = StageMs(summary.stages, {"render"});
-  const double detect = StageMs(summary.stages, {"detect"});
-  const double estimate = StageMs(summary.stages, {"estimate"});
-  const double control = StageMs(summary.stages, {"control"});
-  const double physics = StageMs(summary.stages, {"physics", "step", "record"});
-  const double rest = summary.wall_s * 1e3 - render - detect - estimate - control - physics;
-  const double n = summary.n_ticks;
-  return {{"render", render / n},
-          {"transport", std::max(rest, 0.0) / n},
-          {"detect", detect / n},
-          {"estimate", estimate / n},
-          {"control", control / n}};
+  Json ms = Json::object();
+  double sum_ms = 0;
+  for (const char* stage : {"render", "detect", "estimate", "control"}) {
+    ms[stage] = StageMs(summary, stage);
+    sum_ms += ms[stage].get<double>();
+  }
+  ms["transport"] = std::max(StageMs(summary, "wait") - sum_ms, 0.0);
+  return ms;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ nlohmann::ordered_json Manifest(const Scenario& scenario, const RunOptions& opti
 /// The content of timing.json, all measured by wall clock:
 /// {"wall_s", "simulated_s", "real_time_factor", "stereo_pairs_per_s",
 ///  "ms": {"render", "transport", "detect", "estimate", "control"}, "stages", "peak_rss_mib"};
-/// `ms` is the mean time of a tick; transport is what the stages leave of it.
+/// `ms` is the mean time of a tick; transport is what the stages leave of sim's wait for them.
 nlohmann::ordered_json Timing(const Scenario& scenario, const RunSummary& summary);
 
 }  // namespace windhover

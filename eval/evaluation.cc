@@ -57,6 +57,15 @@ std::optional<double> MedianDisparityOffset_px(const RunRecord& run, const Targe
   return Median(std::move(offsets_px));
 }
 
+// The launcher may know what the log cannot: that a process died after its last message, or why
+// the log just stops.
+void TakeValidity(const Json& manifest, RunRecord* run) {
+  if (!manifest.is_object() || manifest.value("valid", true)) return;
+  run->valid = false;
+  run->invalid_reason =
+      fmt::format("{}: {}", manifest.value("culprit", ""), manifest.value("invalid_reason", ""));
+}
+
 std::string Verdict(const RunRecord& run, const std::vector<GateResult>& gates) {
   if (!run.valid) return "invalid";
   const bool all_pass = std::all_of(gates.begin(), gates.end(), [](auto& g) { return g.pass; });
@@ -70,6 +79,7 @@ Evaluation EvaluateRecord(RunRecord run, Json timing, Json manifest) {
   evaluation.run = std::move(run);
   evaluation.timing = std::move(timing);
   evaluation.manifest = std::move(manifest);
+  TakeValidity(evaluation.manifest, &evaluation.run);
   const Scenario& scenario = evaluation.run.scenario;
   evaluation.frames = CountFrames(evaluation.run);
   if (evaluation.run.valid && evaluation.frames.lost() != 0) {

@@ -113,6 +113,8 @@ void TickClient::Impl::ProcessIfComplete() {
   last_utime = current.utime;
   if (on_tick) on_tick(current);
   SayDone(current);
+  // What is done only once (shaders, caches) is done in the rehearsal and would spoil the means.
+  if (current.phase == tick_t::PHASE_REHEARSAL) timer = StageTimer();
 }
 
 void TickClient::Impl::SayHello() {

@@ -89,13 +89,15 @@ TEST(Timing, WorkedExample) {
   summary.stages["render-0"] = {{{"stage", "render"}, {"n", 20}, {"wall_ms", 2000.0}}};
   summary.stages["estimator-0"] = {{{"stage", "detect"}, {"n", 20}, {"wall_ms", 1000.0}},
                                    {{"stage", "estimate"}, {"n", 20}, {"wall_ms", 200.0}}};
+  summary.stages["render-1"] = {{{"stage", "render"}, {"n", 20}, {"wall_ms", 1900.0}}};
+  summary.stages["sim"] = {{{"stage", "wait"}, {"n", 20}, {"wall_ms", 4000.0}}};
   const auto timing = Timing(scenario, summary);
   EXPECT_EQ(timing["real_time_factor"], 0.5);  // 2 s simulated in 4 s.
   EXPECT_EQ(timing["stereo_pairs_per_s"], 5);  // 20 pairs of one rig in 4 s.
   EXPECT_EQ(timing["ms"]["render"], 100);
   EXPECT_EQ(timing["ms"]["detect"], 50);
   EXPECT_EQ(timing["ms"]["estimate"], 10);
-  EXPECT_EQ(timing["ms"]["transport"], 40);  // 200 ms a tick less the above.
+  EXPECT_EQ(timing["ms"]["transport"], 40);  // A wait of 200 ms less the above.
 }
 
 TEST(Timing, OfARunWithoutATickHasNoRates) {

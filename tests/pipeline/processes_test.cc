@@ -160,7 +160,7 @@ TEST_P(FaultTest, EndsTheRunNamesTheCulpritAndLeavesNothingBehind) {
   // What was logged until then can be read and is marked.
   Program score({kWindhover, "score", Dir("x")});
   EXPECT_EQ(score.Wait(), 3) << score.Err();
-  EXPECT_THAT(score.Out(), HasSubstr("verdict: invalid"));
+  EXPECT_THAT(score.Out(), HasSubstr("verdict: invalid: " + fault.process + ": "));
 }
 
 INSTANTIATE_TEST_SUITE_P(Killed, FaultTest,
