@@ -135,6 +135,10 @@ struct Fault {
   int signal;
 };
 
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << "signal " << fault.signal << " to " << fault.process;
+}
+
 class FaultTest : public ProcessesTest, public testing::WithParamInterface<Fault> {};
 
 TEST_P(FaultTest, EndsTheRunNamesTheCulpritAndLeavesNothingBehind) {
