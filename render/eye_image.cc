@@ -3,16 +3,13 @@
 namespace windhover {
 namespace {
 
-void AddRow(const std::uint16_t* row, int count, std::uint32_t* sum) {
-  for (int i = 0; i < count; ++i) sum[i] += row[i];
+void AddRow(const std::uint16_t* row, std::uint32_t share, int count, std::uint32_t* sum) {
+  for (int i = 0; i < count; ++i) sum[i] += row[i] * share;
 }
 
-void MeanRow(const std::uint32_t* sum, int count, std::size_t n, std::uint16_t* row) {
-  const float share = 1.0f / static_cast<float>(n);
-  for (int i = 0; i < count; ++i) {
-    const auto total = static_cast<float>(static_cast<std::int32_t>(sum[i]));
-    row[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(total * share + 0.5f));
-  }
+// The shares sum to 65536, so that white times them, rounded, still fits in 32 bits.
+void MeanRow(const std::uint32_t* sum, int count, std::uint16_t* row) {
+  for (int i = 0; i < count; ++i) row[i] = static_cast<std::uint16_t>((sum[i] + 32768u) >> 16);
 }
 
 void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
@@ -31,7 +28,7 @@ void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
 
 }  // namespace
 
-RgbImage ComposeImage(std::span<const BackgroundWarp> backgrounds,
+RgbImage ComposeImage(std::span<const BackgroundShare> backgrounds,
                       std::span<const TargetLayer> layers, const Sensor& sensor,
                       const NoiseKey& key, int width_px, int height_px) {
   RgbImage image(width_px, height_px);
@@ -40,14 +37,14 @@ RgbImage ComposeImage(std::span<const BackgroundWarp> backgrounds,
   std::vector<std::uint32_t> sum(static_cast<std::size_t>(count));
   for (int y = 0; y < height_px; ++y) {
     if (backgrounds.size() == 1) {
-      backgrounds[0].Row(y, row.data());
+      backgrounds[0].warp.Row(y, row.data());
     } else {
       std::fill(sum.begin(), sum.end(), 0);
-      for (const BackgroundWarp& background : backgrounds) {
-        background.Row(y, row.data());
-        AddRow(row.data(), count, sum.data());
+      for (const BackgroundShare& background : backgrounds) {
+        background.warp.Row(y, row.data());
+        AddRow(row.data(), background.share, count, sum.data());
       }
-      MeanRow(sum.data(), count, backgrounds.size(), row.data());
+      MeanRow(sum.data(), count, row.data());
     }
     for (const TargetLayer& layer : layers) BlendRow(layer, y, row.data());
     sensor.AddNoise(key, y, count, row.data());

@@ -1,6 +1,7 @@
 #include "render/motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/geometry/rotation.h"
@@ -53,6 +54,36 @@ Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s) {
   return X_WB;
 }
 
+std::vector<ExposureNode> BackgroundNodes(double motion_px, double duration_s, int max_nodes) {
+  struct Rule {
+    double longest_motion_px;
+    std::vector<ExposureNode> nodes;  // Of an exposure of 1 s.
+  };
+  static const std::array<Rule, 5> kRules = {
+      {{1, {{0, 65536}}},
+       {2.5, {{-0.28867513459481288, 32768}, {0.28867513459481288, 32768}}},
+       {5, {{-0.38729833462074169, 18204}, {0, 29128}, {0.38729833462074169, 18204}}},
+       {7.5,
+        {{-0.43056815579702629, 11398},
+         {-0.16999052179242813, 21370},
+         {0.16999052179242813, 21370},
+         {0.43056815579702629, 11398}}},
+       {1e9,
+        {{-0.45308992296933200, 7764},
+         {-0.26923465505284155, 15684},
+         {0, 18640},
+         {0.26923465505284155, 15684},
+         {0.45308992296933200, 7764}}}}};
+  std::size_t rule = 0;
+  while (rule + 1 < kRules.size() && rule + 1 < static_cast<std::size_t>(max_nodes) &&
+         motion_px > kRules[rule].longest_motion_px) {
+    ++rule;
+  }
+  std::vector<ExposureNode> nodes = kRules[rule].nodes;
+  for (ExposureNode& node : nodes) node.offset_s *= duration_s;
+  return nodes;
+}
+
 ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& world,
                           std::size_t observer, const RigMotion& rig, double focal_px) {
   const double duration_s = config.duration_ms * 1e-3;
@@ -72,6 +103,7 @@ ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& wor
     plan.offsets_s.push_back(duration_s * ((i + 0.5) / count - 0.5));
   }
   plan.offsets_s[static_cast<std::size_t>(count / 2)] = 0;
+  plan.background = BackgroundNodes(motion_px, duration_s, config.max_samples);
   return plan;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -14,10 +15,28 @@ namespace windhover {
 /// X_WB of `truth`, carried on for `dt_s` with its linear and angular velocity.
 Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s);
 
-/// When the sub-exposures of a frame are taken: the middles of equal parts of the exposure.
-struct ExposurePlan {
-  std::vector<double> offsets_s;  ///< From the middle of the exposure; odd number, ascending.
+/// One moment of a mean over the exposure.
+struct ExposureNode {
+  double offset_s;      ///< From the middle of the exposure.
+  std::uint32_t share;  ///< Of the mean, in 65536ths; they sum to 65536.
 };
+
+/// When the sub-exposures of a frame are taken.
+struct ExposurePlan {
+  /// Of the targets, whose outlines are sharp: the middles of equal parts of the exposure, from
+  /// the middle of it; odd number, ascending.
+  std::vector<double> offsets_s;
+  /// Of the surroundings, which are as smooth as the lens leaves them: Gauss-Legendre nodes,
+  /// ascending.
+  std::vector<ExposureNode> background;
+};
+
+/// Gauss-Legendre nodes on an exposure that moves the image by `motion_px`: as many as keep the
+/// blur's transfer function within 0.1 of the true one up to a quarter of a cycle a pixel, half
+/// of what neighbouring texels can hold; at most five. With n of them any motion that is a
+/// polynomial of time up to degree 2 n - 1 has its true mean.
+/// Source: M. Abramowitz and I. Stegun, "Handbook of Mathematical Functions", table 25.4.
+std::vector<ExposureNode> BackgroundNodes(double motion_px, double duration_s, int max_nodes);
 
 /// Splits an exposure so that nothing in the image moves more than max_blur_px within a part:
 /// the far background by the turning of the cameras (aircraft, vibration, flex), the nearest

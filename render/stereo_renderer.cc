@@ -82,11 +82,6 @@ void StereoRenderer::PlanObserver(const world_truth_t& world, Observer* observer
   observer->annotation = geometry_.Annotate(world, observer->index);
   const double focal_px = scenario_.rig.calibrated.FocalPx();
   observer->plan = PlanExposure(scenario_.exposure, world, rig.position, rig.motion, focal_px);
-  // The map holds nothing finer than a texel, so the background needs no finer steps.
-  ExposureConfig coarse = scenario_.exposure;
-  coarse.max_blur_px = std::max(coarse.max_blur_px, focal_px / map_.TexelsPerRad());
-  const ExposurePlan background_plan =
-      PlanExposure(coarse, world, rig.position, rig.motion, focal_px);
   const Eigen::Vector3d axis_W = (PoseAt(world.uavs[rig.position], 0) * rig.X_BR).linear().col(2);
   observer->chart = ChartFor(axis_W);
   observer->u_near = map_.PlaceOf(axis_W, observer->chart).x();
@@ -94,8 +89,9 @@ void StereoRenderer::PlanObserver(const world_truth_t& world, Observer* observer
     eye.X_WC.clear();
     eye.R_WC_background.clear();
   }
-  for (const double dt_s : background_plan.offsets_s) {
-    const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, dt_s);
+  for (const ExposureNode& node : observer->plan.background) {
+    const WorldCameras cameras =
+        CamerasAt(world, rig.position, rig.X_BR, rig.motion, node.offset_s);
     observer->eyes[0].R_WC_background.push_back(cameras.X_WL.linear());
     observer->eyes[1].R_WC_background.push_back(cameras.X_WR.linear());
   }
@@ -125,9 +121,9 @@ void StereoRenderer::PrepareEye(Eye* eye) const {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   if (!eye->rays) eye->rays.emplace(eye->camera, width_px, height_px);
   eye->warps.clear();
-  for (const Eigen::Isometry3d& X_WC : eye->X_WC) {
+  for (const Eigen::Matrix3d& R_WC : eye->R_WC_background) {
     eye->warps.push_back(
-        MakeWarpGrid(*eye->rays, X_WC.linear(), map_, eye->observer->chart, eye->observer->u_near));
+        MakeWarpGrid(*eye->rays, R_WC, map_, eye->observer->chart, eye->observer->u_near));
   }
 }
 
@@ -181,9 +177,10 @@ RgbImage StereoRenderer::RenderEye(const world_truth_t& world, int tick, Eye* ey
     target_view_t& view = observer.ViewOf(observer.far_to_near[k], *eye);
     if (view.in_front != 0) SetVisibility(layers, k, &view);
   }
-  std::vector<BackgroundWarp> backgrounds;
-  for (const WarpGrid& warp : eye->warps) {
-    backgrounds.emplace_back(*eye->rays, warp, map_, observer.window);
+  std::vector<BackgroundShare> backgrounds;
+  for (std::size_t n = 0; n < eye->warps.size(); ++n) {
+    backgrounds.push_back({BackgroundWarp(*eye->rays, eye->warps[n], map_, observer.window),
+                           observer.plan.background[n].share});
   }
   const NoiseKey key{scenario_.random_seed, observer.rig.id, eye->index, tick};
   return ComposeImage(backgrounds, layers, sensor_, key, width_px, height_px);
