@@ -3,12 +3,16 @@
 namespace windhover {
 namespace {
 
-void AddRow(const std::uint16_t* row, std::uint32_t share, int count, std::uint32_t* sum) {
+// Integers only: the same bits from every clone.
+__attribute__((target_clones("default", "avx2"))) void AddRow(const std::uint16_t* row,
+                                                              std::uint32_t share, int count,
+                                                              std::uint32_t* sum) {
   for (int i = 0; i < count; ++i) sum[i] += row[i] * share;
 }
 
 // The shares sum to 65536, so that white times them, rounded, still fits in 32 bits.
-void MeanRow(const std::uint32_t* sum, int count, std::uint16_t* row) {
+__attribute__((target_clones("default", "avx2"))) void MeanRow(const std::uint32_t* sum, int count,
+                                                               std::uint16_t* row) {
   for (int i = 0; i < count; ++i) row[i] = static_cast<std::uint16_t>((sum[i] + 32768u) >> 16);
 }
 

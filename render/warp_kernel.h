@@ -17,4 +17,8 @@ struct WarpSpan {
 /// processor gives the same bits. Writes 3 · count values and one more.
 void WarpPixels(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
 
+/// The same for processors with and without AVX2; WarpPixels chooses.
+void WarpPixelsAvx2(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
+void WarpPixelsSse2(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
+
 }  // namespace windhover
