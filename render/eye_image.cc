@@ -1,5 +1,7 @@
 #include "render/eye_image.h"
 
+#include <algorithm>
+
 namespace windhover {
 namespace {
 
@@ -32,29 +34,37 @@ void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
 
 }  // namespace
 
-RgbImage ComposeImage(std::span<const BackgroundShare> backgrounds,
-                      std::span<const TargetLayer> layers, const Sensor& sensor,
-                      const NoiseKey& key, int width_px, int height_px) {
-  RgbImage image(width_px, height_px);
+void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand& band, int width_px,
+                    std::uint16_t* linear) {
   const int count = width_px * 3;
+  // A warp writes one value beyond its row, which must not be the next band's.
   std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + 1);
   std::vector<std::uint32_t> sum(static_cast<std::size_t>(count));
-  for (int y = 0; y < height_px; ++y) {
+  for (int y = band.y0; y < band.y1; ++y) {
+    std::uint16_t* out = linear + static_cast<std::ptrdiff_t>(y) * count;
     if (backgrounds.size() == 1) {
       backgrounds[0].warp.Row(y, row.data());
-    } else {
-      std::fill(sum.begin(), sum.end(), 0);
-      for (const BackgroundShare& background : backgrounds) {
-        background.warp.Row(y, row.data());
-        AddRow(row.data(), background.share, count, sum.data());
-      }
-      MeanRow(sum.data(), count, row.data());
+      std::copy_n(row.data(), count, out);
+      continue;
     }
-    for (const TargetLayer& layer : layers) BlendRow(layer, y, row.data());
-    sensor.AddNoise(key, y, count, row.data());
-    sensor.Transfer(row.data(), count, image.Row(y));
+    std::fill(sum.begin(), sum.end(), 0);
+    for (const BackgroundShare& background : backgrounds) {
+      background.warp.Row(y, row.data());
+      AddRow(row.data(), background.share, count, sum.data());
+    }
+    MeanRow(sum.data(), count, out);
   }
-  return image;
+}
+
+void ComposeRows(std::span<const TargetLayer> layers, const Sensor& sensor, const NoiseKey& key,
+                 const RowBand& band, std::uint16_t* linear, RgbImage* image) {
+  const int count = image->width_px * 3;
+  for (int y = band.y0; y < band.y1; ++y) {
+    std::uint16_t* row = linear + static_cast<std::ptrdiff_t>(y) * count;
+    for (const TargetLayer& layer : layers) BlendRow(layer, y, row);
+    sensor.AddNoise(key, y, count, row);
+    sensor.Transfer(row, count, image->Row(y));
+  }
 }
 
 }  // namespace windhover

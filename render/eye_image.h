@@ -17,13 +17,22 @@ struct BackgroundShare {
   std::uint32_t share;
 };
 
-/// One image from its parts: weighted mean of the surroundings, targets over it from far to
-/// near (`layers` in that order), sensor. Works row by row, so that only bytes leave the cache.
+/// Rows [y0, y1) of an image, as part of the work on it.
+struct RowBand {
+  int y0, y1;
+};
+
+/// Weighted mean of the surroundings over the exposure: linear light, 3 · width_px values a row,
+/// into the rows of `band` of `linear` (a whole image, and one value more).
+void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand& band, int width_px,
+                    std::uint16_t* linear);
+
+/// An image from its parts: targets over the surroundings from far to near (`layers` in that
+/// order), sensor. `linear` is used up.
 ///
 /// Background and coverage are averaged over the exposure apart from each other, which is exact
 /// where either is constant.
-RgbImage ComposeImage(std::span<const BackgroundShare> backgrounds,
-                      std::span<const TargetLayer> layers, const Sensor& sensor,
-                      const NoiseKey& key, int width_px, int height_px);
+void ComposeRows(std::span<const TargetLayer> layers, const Sensor& sensor, const NoiseKey& key,
+                 const RowBand& band, std::uint16_t* linear, RgbImage* image);
 
 }  // namespace windhover

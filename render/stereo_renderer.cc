@@ -11,6 +11,13 @@
 namespace windhover {
 namespace {
 
+// Parts that an image is divided into for several threads.
+constexpr int kBands = 8;
+
+RowBand BandOf(int band, int height_px) {
+  return {band * height_px / kBands, (band + 1) * height_px / kBands};
+}
+
 bool IsInImage(const target_view_t& view) { return view.visible.w_px > 0 && view.visible.h_px > 0; }
 
 }  // namespace
@@ -24,6 +31,9 @@ struct StereoRenderer::Eye {
   std::vector<Eigen::Isometry3d> X_WC;           ///< One a sub-exposure.
   std::vector<Eigen::Matrix3d> R_WC_background;  ///< One a sub-exposure of the background.
   std::vector<WarpGrid> warps;
+  std::vector<BackgroundShare> backgrounds;
+  std::vector<std::uint16_t> linear;  ///< Linear light of the image in the making.
+  std::vector<TargetLayer> layers;    ///< Far to near.
 };
 
 struct StereoRenderer::Observer {
@@ -159,54 +169,88 @@ void StereoRenderer::ShadeTargets(const world_truth_t& world, Observer* observer
   }
 }
 
-RgbImage StereoRenderer::RenderEye(const world_truth_t& world, int tick, Eye* eye,
-                                   TargetPass* pass) const {
+void StereoRenderer::DrawTargets(const world_truth_t& world, Eye* eye, TargetPass* pass) const {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   Observer& observer = *eye->observer;
-  std::vector<TargetLayer> layers(observer.shaded.size());
-  for (std::size_t k = 0; k < layers.size(); ++k) {
+  eye->layers.assign(observer.shaded.size(), TargetLayer{});
+  for (std::size_t k = 0; k < eye->layers.size(); ++k) {
     if (observer.shaded[k].model == nullptr) continue;
     const uav_truth_t& truth = world.uavs[observer.far_to_near[k]];
     std::vector<Eigen::Isometry3d> X_CB;
     for (std::size_t n = 0; n < eye->X_WC.size(); ++n) {
       X_CB.push_back(eye->X_WC[n].inverse() * PoseAt(truth, observer.plan.offsets_s[n]));
     }
-    layers[k] = pass->Draw(observer.shaded[k], eye->camera, width_px, height_px, X_CB);
+    eye->layers[k] = pass->Draw(observer.shaded[k], eye->camera, width_px, height_px, X_CB);
   }
-  for (std::size_t k = 0; k < layers.size(); ++k) {
+  for (std::size_t k = 0; k < eye->layers.size(); ++k) {
     target_view_t& view = observer.ViewOf(observer.far_to_near[k], *eye);
-    if (view.in_front != 0) SetVisibility(layers, k, &view);
+    if (view.in_front != 0) SetVisibility(eye->layers, k, &view);
   }
-  std::vector<BackgroundShare> backgrounds;
+}
+
+void StereoRenderer::PlaceBackgrounds(Eye* eye) const {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  eye->backgrounds.clear();
   for (std::size_t n = 0; n < eye->warps.size(); ++n) {
-    backgrounds.push_back({BackgroundWarp(*eye->rays, eye->warps[n], map_, observer.window),
-                           observer.plan.background[n].share});
+    eye->backgrounds.push_back(
+        {BackgroundWarp(*eye->rays, eye->warps[n], map_, eye->observer->window),
+         eye->observer->plan.background[n].share});
   }
-  const NoiseKey key{scenario_.random_seed, observer.rig.id, eye->index, tick};
-  return ComposeImage(backgrounds, layers, sensor_, key, width_px, height_px);
+  eye->linear.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px) * 3);
+}
+
+// OpenGL first: Mesa draws for one thread at a time, so both eyes of an observer are one task, and
+// the other threads fill the surroundings meanwhile.
+void StereoRenderer::DrawParts(const world_truth_t& world) {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  const int n_observers = static_cast<int>(observers_.size());
+  const int n_bands = 2 * n_observers * kBands;
+  ParallelFor(n_observers + n_bands, threads_,
+              [&, width = width_px, height = height_px](int task, int worker) {
+                if (task < n_observers) {
+                  std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
+                  if (pass == nullptr) pass = std::make_unique<TargetPass>(MakeOsMesaContext());
+                  for (Eye& eye : observers_[static_cast<std::size_t>(task)]->eyes) {
+                    DrawTargets(world, &eye, pass.get());
+                  }
+                  return;
+                }
+                const int band = task - n_observers;
+                Eye* eye = EyeOf(band / kBands);
+                FillBackground(eye->backgrounds, BandOf(band % kBands, height), width,
+                               eye->linear.data());
+              });
+}
+
+StereoRenderer::Eye* StereoRenderer::EyeOf(int index) {
+  return &observers_[static_cast<std::size_t>(index / 2)]
+              ->eyes[static_cast<std::size_t>(index % 2)];
 }
 
 std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int tick) {
   geometry_.CheckWorld(world);
-  const auto eye_of = [this](int task) {
-    return &observers_[static_cast<std::size_t>(task / 2)]
-                ->eyes[static_cast<std::size_t>(task % 2)];
-  };
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const int n_observers = static_cast<int>(observers_.size());
   ParallelFor(n_observers, threads_,
-              [&](int i, int) { PlanObserver(world, eye_of(2 * i)->observer); });
-  ParallelFor(2 * n_observers, threads_, [&](int task, int) { PrepareEye(eye_of(task)); });
+              [&](int i, int) { PlanObserver(world, EyeOf(2 * i)->observer); });
+  ParallelFor(2 * n_observers, threads_, [&](int i, int) { PrepareEye(EyeOf(i)); });
   for (const auto& observer : observers_) CoverViews(observer.get());
+  for (int i = 0; i < 2 * n_observers; ++i) PlaceBackgrounds(EyeOf(i));
   ParallelFor(n_observers, threads_,
-              [&](int i, int) { ShadeTargets(world, eye_of(2 * i)->observer); });
-  std::vector<RenderedPair> pairs(observers_.size());
-  ParallelFor(2 * n_observers, threads_, [&](int task, int worker) {
-    std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
-    if (pass == nullptr) pass = std::make_unique<TargetPass>(MakeOsMesaContext());
-    RenderedPair& pair = pairs[static_cast<std::size_t>(task / 2)];
-    (task % 2 == 0 ? pair.left : pair.right) = RenderEye(world, tick, eye_of(task), pass.get());
+              [&](int i, int) { ShadeTargets(world, EyeOf(2 * i)->observer); });
+  DrawParts(world);
+  std::vector<RenderedPair> pairs;
+  for (const auto& observer : observers_) {
+    pairs.push_back(
+        {RgbImage(width_px, height_px), RgbImage(width_px, height_px), observer->annotation});
+  }
+  ParallelFor(2 * n_observers * kBands, threads_, [&, height = height_px](int task, int) {
+    Eye* eye = EyeOf(task / kBands);
+    RenderedPair& pair = pairs[static_cast<std::size_t>(task / kBands / 2)];
+    const NoiseKey key{scenario_.random_seed, eye->observer->rig.id, eye->index, tick};
+    ComposeRows(eye->layers, sensor_, key, BandOf(task % kBands, height), eye->linear.data(),
+                eye->index == 0 ? &pair.left : &pair.right);
   });
-  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].annotation = observers_[i]->annotation;
   return pairs;
 }
 

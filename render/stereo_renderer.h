@@ -51,7 +51,10 @@ class StereoRenderer {
   void PrepareEye(Eye* eye) const;
   void CoverViews(Observer* observer);
   void ShadeTargets(const world_truth_t& world, Observer* observer) const;
-  RgbImage RenderEye(const world_truth_t& world, int tick, Eye* eye, TargetPass* pass) const;
+  void DrawTargets(const world_truth_t& world, Eye* eye, TargetPass* pass) const;
+  void PlaceBackgrounds(Eye* eye) const;
+  void DrawParts(const world_truth_t& world);
+  Eye* EyeOf(int index);  ///< 2 · observer, and one more for the right.
 
   const Scenario scenario_;
   const int threads_;
