@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
-# Configures and builds a preset; prints the whole log only when something fails.
+# Configures and builds a preset, all of it or the given targets; prints the log of the
+# configuration only when it fails.
+#   build.sh PRESET [TARGET...]
 set -euo pipefail
 preset=$1
+shift
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 mkdir -p "build/$preset"
 log=build/$preset/configure.log
@@ -10,4 +13,6 @@ if ! cmake --preset "$preset" > "$log" 2>&1; then
   cat "$log" >&2
   exit 4
 fi
-cmake --build --preset "$preset" -j "$(nproc)"
+targets=()
+[[ $# -eq 0 ]] || targets=(--target "$@")
+cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}"
