@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/bus/channels.h"
+#include "common/bus/stage_status.h"
 #include "common/bus/truth_channels.h"
 #include "common/process/process.h"
 
@@ -188,19 +189,6 @@ void SimNode::ApplyCommands(const tick_t& tick) {
   }
 }
 
-status_t SimNode::OwnStatus() const {
-  status_t status{};
-  status.process = "sim";
-  for (const StageTimer::Stage& stage : timer_.Stages()) {
-    stage_timing_t timing{};
-    timing.stage = stage.name;
-    timing.n = stage.n;
-    timing.wall_ms = stage.wall_ms;
-    timing.cpu_ms = stage.cpu_ms;
-    status.stages.push_back(timing);
-  }
-  status.n_stages = static_cast<std::int32_t>(status.stages.size());
-  return status;
-}
+status_t SimNode::OwnStatus() const { return StatusOf("sim", timer_); }
 
 }  // namespace windhover

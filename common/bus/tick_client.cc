@@ -12,6 +12,7 @@
 
 #include "common/bus/channels.h"
 #include "common/bus/message_types.h"
+#include "common/bus/stage_status.h"
 #include "lcmtypes/hello_t.hpp"
 #include "lcmtypes/status_t.hpp"
 #include "lcmtypes/tick_done_t.hpp"
@@ -147,20 +148,10 @@ void TickClient::Impl::SayDone(const tick_t& done) {
 }
 
 void TickClient::Impl::SayStatus() {
-  status_t status{};
-  status.process = process;
+  status_t status = StatusOf(process, timer);
   status.n_ignored = n_ignored;
   status.n_dropped = bus.DroppedByKernel();
   status.peak_rss_mib = PeakMemory_mib();
-  for (const StageTimer::Stage& stage : timer.Stages()) {
-    stage_timing_t timing{};
-    timing.stage = stage.name;
-    timing.n = stage.n;
-    timing.wall_ms = stage.wall_ms;
-    timing.cpu_ms = stage.cpu_ms;
-    status.stages.push_back(timing);
-  }
-  status.n_stages = static_cast<std::int32_t>(status.stages.size());
   bus.Publish(channel::Status(process), status);
 }
 
