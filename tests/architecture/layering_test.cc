@@ -28,7 +28,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"estimator", {"common", "camera", "scenarios", "lcmtypes"}},
     {"swarm", {"common", "scenarios", "lcmtypes"}},
     {"eval", {"common", "camera", "scenarios", "lcmtypes"}},
-    {"cli", {"common", "scenarios", "eval", "lcmtypes"}},
+    {"budget", {"common", "camera", "rig", "scenarios"}},
+    {"cli", {"common", "scenarios", "eval", "budget", "lcmtypes"}},
 };
 
 // cli/in_process_run alone may include every node.
