@@ -11,6 +11,7 @@
 #include "rig/misalignment.h"
 #include "rig/vibration.h"
 #include "scenarios/aircraft_config.h"
+#include "scenarios/uwb_config.h"
 
 namespace windhover {
 
@@ -118,6 +119,7 @@ struct Aircraft {
   MeshConfig mesh;
   std::array<double, 3> position_m = {0, 0, 0};
   double yaw_deg = 0;
+  std::array<double, 3> uwb_antenna_m = {0, 0, 0};
   TrajectoryConfig trajectory;
   std::vector<Waypoint> waypoints;
 
@@ -130,20 +132,11 @@ struct Aircraft {
     v.Field("controller", self.controller, AnyEnum{}, "who moves it");
     v.Field("position_m", position_m, InRange{-1e5, 1e5}, "start: east, north, up");
     v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "start: heading, 0 is east");
+    v.Field("uwb_antenna_m", uwb_antenna_m, InRange{-5, 5},
+            "where its antenna is, in the body frame and from uwb.antenna_m");
     v.Section("trajectory", trajectory, "controller: trajectory");
     v.List("waypoints", waypoints, "controller: waypoints, in order of time");
     v.Section("follow", self.follow, "controller: follow");
-  }
-};
-
-struct UwbConfig {
-  double sigma_m = 0.05;
-  double bias_m = 0;
-
-  template <typename Visitor>
-  void Fields(Visitor& v) {
-    v.Field("sigma_m", sigma_m, InRange{0, 100}, "standard deviation of a range");
-    v.Field("bias_m", bias_m, InRange{-100, 100}, "error common to all ranges");
   }
 };
 

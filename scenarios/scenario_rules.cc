@@ -71,6 +71,10 @@ class RuleChecker {
       MustBe("exposure.duration_ms", fmt::format("at most {:.4g}, the time of a frame", frame_ms),
              fmt::format("'{}'", scenario_.exposure.duration_ms), {"frame_rate_hz"});
     }
+    const double uwb_hz = scenario_.uwb.rate_hz;
+    if (uwb_hz > 0 && uwb_hz < 1) {
+      MustBe("uwb.rate_hz", "0 or at least 1", fmt::format("'{}'", uwb_hz));
+    }
   }
 
   void CheckEstimator() {

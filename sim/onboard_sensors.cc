@@ -6,7 +6,6 @@
 
 #include "common/geometry/rotation.h"
 #include "common/random/random_stream.h"
-#include "lcmtypes/uwb_range_t.hpp"
 
 namespace windhover {
 namespace {
@@ -29,7 +28,7 @@ void CopyTo(const Vector3d& v, double* out) { std::copy_n(v.data(), 3, out); }
 }  // namespace
 
 OnboardSensors::OnboardSensors(const Scenario& scenario)
-    : seed_(scenario.random_seed), nav_(scenario.nav), uwb_(scenario.uwb) {
+    : seed_(scenario.random_seed), nav_(scenario.nav) {
   for (const Aircraft& aircraft : scenario.aircraft) ids_.push_back(aircraft.self.id);
 }
 
@@ -67,25 +66,6 @@ imu_t OnboardSensors::Imu(const World& world, int position, std::int64_t sample)
   CopyTo(force_B_mps2 + noise("accelerometer", kAccelerometerSigma_mps2),
          imu.specific_force_B_mps2);
   return imu;
-}
-
-uwb_t OnboardSensors::Uwb(const World& world, int position, std::int64_t sample) const {
-  uwb_t uwb{};
-  uwb.utime = world.utime();
-  uwb.id = ids_[position];
-  for (int other = 0; other < world.size(); ++other) {
-    if (other == position) continue;
-    const std::string name = fmt::format("uav{}/uwb/uav{}", ids_[position], ids_[other]);
-    const double distance_m = (world.State(other).p_WB_m - world.State(position).p_WB_m).norm();
-    uwb_range_t range{};
-    range.target_id = ids_[other];
-    // Bias and noise may exceed a small distance; time of flight cannot be negative.
-    range.range_m =
-        std::max(0.0, distance_m + uwb_.bias_m + Noise(seed_, name, sample, uwb_.sigma_m).x());
-    uwb.ranges.push_back(range);
-  }
-  uwb.n_ranges = static_cast<std::int32_t>(uwb.ranges.size());
-  return uwb;
 }
 
 }  // namespace windhover

@@ -5,13 +5,12 @@
 #include "common/time/sim_time.h"
 #include "lcmtypes/imu_t.hpp"
 #include "lcmtypes/nav_state_t.hpp"
-#include "lcmtypes/uwb_t.hpp"
 #include "scenarios/scenario.h"
 #include "sim/world.h"
 
 namespace windhover {
 
-/// What aircraft measure of themselves and of each other. Noise is a function of the scenario's
+/// What aircraft measure of themselves. Noise is a function of the scenario's
 /// seed, aircraft, quantity and sample number alone, so that it is the same in any order.
 class OnboardSensors {
  public:
@@ -23,13 +22,9 @@ class OnboardSensors {
   /// Angular velocity and a - g in B.
   imu_t Imu(const World& world, int position, std::int64_t sample) const;
 
-  /// Ranges from the aircraft's centre to every other's.
-  uwb_t Uwb(const World& world, int position, std::int64_t sample) const;
-
  private:
   std::uint64_t seed_;
   NavConfig nav_;
-  UwbConfig uwb_;
   std::vector<int> ids_;
 };
 

@@ -40,6 +40,7 @@ SimNode::SimNode(const Scenario& scenario, const SimOptions& options, Bus& bus)
       bus_(bus),
       world_(scenario),
       sensors_(scenario),
+      uwb_(scenario),
       recorder_(bus, options.log_file, IdsOf(scenario), options.pixels),
       lockstep_(bus, options.run_id, PeersOf(scenario.execution), scenario.execution.deadline_s) {
   for (int i = 0; i < world_.size(); ++i) {
@@ -156,10 +157,11 @@ void SimNode::PublishState(const tick_t& tick) {
   world_truth_t truth = world_.Truth();
   truth.utime = tick.utime;  // The rehearsal comes before the world's time 0.
   bus_.Publish(channel::kUavTruth, truth);
+  uwb_.Observe(world_.utime(), world_.States());
   for (int i = 0; i < world_.size(); ++i) {
     const int id = scenario_.aircraft[i].self.id;
     nav_state_t nav = sensors_.Nav(world_, i, tick.tick);
-    uwb_t uwb = sensors_.Uwb(world_, i, tick.tick);
+    uwb_t uwb = uwb_.Report(i, tick.tick);
     nav.utime = uwb.utime = tick.utime;
     bus_.Publish(channel::NavState(id), nav);
     bus_.Publish(channel::Uwb(id), uwb);

@@ -16,6 +16,7 @@
 #include "sim/lockstep.h"
 #include "sim/onboard_sensors.h"
 #include "sim/recorder.h"
+#include "sim/uwb_ranging.h"
 #include "sim/world.h"
 
 namespace windhover {
@@ -73,6 +74,7 @@ class SimNode {
   Bus& bus_;
   World world_;
   OnboardSensors sensors_;
+  UwbRanging uwb_;
   Recorder recorder_;
   std::map<int, velocity_command_t> commands_;  // Latest, by position of the aircraft.
   Lockstep lockstep_;

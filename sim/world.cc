@@ -63,6 +63,12 @@ void World::Command(int position, const FlightCommand& command) {
   bodies_[position].command = command;
 }
 
+std::vector<Kinematics> World::States() const {
+  std::vector<Kinematics> states;
+  for (const Body& body : bodies_) states.push_back(body.state);
+  return states;
+}
+
 world_truth_t World::Truth() const {
   world_truth_t truth{};
   truth.utime = utime_;

@@ -32,6 +32,9 @@ class World {
   Utime utime() const { return utime_; }
   const Kinematics& State(int position) const { return bodies_[position].state; }
 
+  /// All of them, in the scenario's order.
+  std::vector<Kinematics> States() const;
+
   /// The truth of now, sorted by id.
   world_truth_t Truth() const;
 

@@ -143,6 +143,8 @@ TEST(Scenario, ChecksEachRule) {
                                     "before, 1 (found '1')")));
   EXPECT_THAT(ErrorsOf(head + "  - {type: mesh}\n"),
               ElementsAre(HasSubstr("aircraft.0.mesh.file: must be the name of a file")));
+  EXPECT_THAT(ErrorsOf(kValid + "uwb: {rate_hz: 0.5}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:16: uwb.rate_hz: must be 0 or at least 1")));
   EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a}]\n"),
               ElementsAre(HasSubstr("expect.0: must be bounded by max, min, upper95 or lower95")));
   EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a, min: 2, max: 1}]\n"),

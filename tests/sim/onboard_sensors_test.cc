@@ -26,8 +26,7 @@ Scenario ThreeAircraft() {
 TEST(OnboardSensors, WithoutNoiseTellTheTruth) {
   Scenario scenario = ThreeAircraft();
   scenario.nav.position_sigma_m = scenario.nav.velocity_sigma_mps =
-      scenario.nav.attitude_sigma_deg = scenario.uwb.sigma_m = 0;
-  scenario.uwb.bias_m = 0.25;
+      scenario.nav.attitude_sigma_deg = 0;
   const World world(scenario);
   const OnboardSensors sensors(scenario);
   const nav_state_t nav = sensors.Nav(world, 1, 7);
@@ -35,11 +34,6 @@ TEST(OnboardSensors, WithoutNoiseTellTheTruth) {
   EXPECT_EQ(Vector3d(nav.p_WB_m), Vector3d(3, 4, 5));
   EXPECT_EQ(Vector3d(nav.v_WB_mps), Vector3d::Zero());
   EXPECT_NEAR(2 * std::atan2(nav.qz, nav.qw), RadFromDeg(30), 1e-12);
-  const uwb_t uwb = sensors.Uwb(world, 1, 7);
-  ASSERT_EQ(uwb.n_ranges, 2);
-  EXPECT_EQ(uwb.ranges[0].target_id, 0);
-  EXPECT_EQ(uwb.ranges[1].target_id, 20);
-  EXPECT_DOUBLE_EQ(uwb.ranges[0].range_m, 5.25);  // a 3-4-5 triangle and the bias
 }
 
 TEST(OnboardSensors, ImuFeelsGravity) {
@@ -70,20 +64,15 @@ TEST(OnboardSensors, NoiseHasItsSigma) {
   const Scenario scenario = ThreeAircraft();
   const World world(scenario);
   const OnboardSensors sensors(scenario);
-  double range_sum = 0, range_squares = 0, x_squares = 0, angle_squares = 0, xy = 0;
+  double x_squares = 0, angle_squares = 0, xy = 0;
   constexpr int kSamples = 20000;
   for (int i = 0; i < kSamples; ++i) {
-    const double range = sensors.Uwb(world, 0, i).ranges[0].range_m - 5;
     const nav_state_t nav = sensors.Nav(world, 0, i);
-    range_sum += range;
-    range_squares += range * range;
     x_squares += nav.p_WB_m[0] * nav.p_WB_m[0];
     xy += nav.p_WB_m[0] * nav.p_WB_m[1];
     const Eigen::Quaterniond q(nav.qw, nav.qx, nav.qy, nav.qz);
     angle_squares += std::pow(q.angularDistance(world.State(0).q_WB), 2);
   }
-  EXPECT_NEAR(std::sqrt(range_squares / kSamples), 0.05, 0.05 * 0.02);
-  EXPECT_NEAR(range_sum / kSamples, 0, 0.05 * 0.03);
   EXPECT_NEAR(std::sqrt(x_squares / kSamples), 0.02, 0.02 * 0.02);
   EXPECT_NEAR(xy / x_squares, 0, 0.03);
   EXPECT_NEAR(std::sqrt(angle_squares / kSamples / 3), RadFromDeg(0.1), RadFromDeg(0.1) * 0.02);
@@ -94,9 +83,9 @@ TEST(OnboardSensors, NoiseDependsOnSampleAndAircraftOnly) {
   const World world(scenario);
   const OnboardSensors a(scenario), b(scenario);
   b.Nav(world, 2, 9);
-  EXPECT_EQ(a.Uwb(world, 0, 4).ranges[1].range_m, b.Uwb(world, 0, 4).ranges[1].range_m);
-  EXPECT_NE(a.Uwb(world, 0, 4).ranges[1].range_m, a.Uwb(world, 0, 5).ranges[1].range_m);
-  EXPECT_NE(a.Uwb(world, 0, 4).ranges[1].range_m, a.Uwb(world, 2, 4).ranges[0].range_m);
+  EXPECT_EQ(a.Nav(world, 0, 4).p_WB_m[0], b.Nav(world, 0, 4).p_WB_m[0]);
+  EXPECT_NE(a.Nav(world, 0, 4).p_WB_m[0], a.Nav(world, 0, 5).p_WB_m[0]);
+  EXPECT_NE(a.Nav(world, 0, 4).p_WB_m[0], a.Nav(world, 2, 4).p_WB_m[0] - 6);
   EXPECT_EQ(a.Nav(world, 0, -1).p_WB_m[0], b.Nav(world, 0, -1).p_WB_m[0]);
 }
 
