@@ -6,6 +6,7 @@
 
 #include "common/geometry/rotation.h"
 #include "common/time/sim_time.h"
+#include "rig/power_spectrum.h"
 
 namespace windhover {
 namespace {
@@ -22,15 +23,19 @@ double ImageMotionRad(const Eigen::Matrix3d& R) {
 }
 
 // Longest way that the image of either camera goes between neighbouring moments, summed: px.
-double RigMotionPx(const RigMotion& rig, double t_s, double duration_s, double focal_px) {
+double RigMotionPx(const RigMotion& rig, const RigDrive& drive, double duration_s,
+                   double focal_px) {
   constexpr int kSteps = 8;
+  std::vector<double> times_s;
+  for (int i = 0; i <= kSteps; ++i) {
+    times_s.push_back(drive.start_s + duration_s * (static_cast<double>(i) / kSteps - 0.5));
+  }
+  const std::vector<PosedStereoRig> rigs = rig.AtMany(times_s, drive);
   double left_rad = 0, right_rad = 0;
-  PosedStereoRig before = rig.At(t_s - duration_s / 2);
-  for (int i = 1; i <= kSteps; ++i) {
-    const PosedStereoRig now = rig.At(t_s + duration_s * (static_cast<double>(i) / kSteps - 0.5));
+  for (std::size_t i = 1; i < rigs.size(); ++i) {
+    const PosedStereoRig &before = rigs[i - 1], &now = rigs[i];
     left_rad += ImageMotionRad(before.left.X_RC.linear().transpose() * now.left.X_RC.linear());
     right_rad += ImageMotionRad(before.right.X_RC.linear().transpose() * now.right.X_RC.linear());
-    before = now;
   }
   return std::max(left_rad, right_rad) * focal_px;
 }
@@ -52,6 +57,23 @@ Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s) {
       Eigen::Quaterniond(truth.qw, truth.qx, truth.qy, truth.qz).normalized().toRotationMatrix() *
       RotationFromVector(dt_s * Vector3d(truth.w_WB_B_radps));
   return X_WB;
+}
+
+RigDrive DriveOf(const world_truth_t& world, std::size_t observer) {
+  const uav_truth_t& truth = world.uavs[observer];
+  RigDrive drive;
+  drive.start_s = SecondsFromUtime(world.utime);
+  std::copy_n(truth.rotor_phase_rev, 4, drive.rotor_phase_rev.begin());
+  std::copy_n(truth.rotor_rate_hz, 4, drive.rotor_rate_hz.begin());
+  const Vector3d specific_force_W =
+      Vector3d(truth.a_WB_mps2) + kStandardGravity_mps2 * Vector3d::UnitZ();
+  drive.specific_force_B_mps2 = PoseAt(truth, 0).linear().transpose() * specific_force_W;
+  std::array<double, 12> bar;
+  if (truth.modal_state.size() == bar.size()) {
+    std::copy_n(truth.modal_state.begin(), bar.size(), bar.begin());
+    drive.bar = BarStateFrom(bar);
+  }
+  return drive;
 }
 
 std::vector<ExposureNode> BackgroundNodes(double motion_px, double duration_s, int max_nodes) {
@@ -93,7 +115,7 @@ ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& wor
     if (i != observer) speed_radps = std::max(speed_radps, TargetSpeedRadps(self, world.uavs[i]));
   }
   speed_radps += Vector3d(self.w_WB_B_radps).norm();
-  const double motion_px = RigMotionPx(rig, SecondsFromUtime(world.utime), duration_s, focal_px) +
+  const double motion_px = RigMotionPx(rig, DriveOf(world, observer), duration_s, focal_px) +
                            speed_radps * duration_s * focal_px;
   int count = static_cast<int>(
       std::clamp(std::ceil(motion_px / config.max_blur_px), 1.0, 1.0 * config.max_samples));
@@ -110,7 +132,8 @@ ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& wor
 WorldCameras CamerasAt(const world_truth_t& world, std::size_t observer,
                        const Eigen::Isometry3d& X_BR, const RigMotion& rig, double dt_s) {
   const Eigen::Isometry3d X_WR = PoseAt(world.uavs[observer], dt_s) * X_BR;
-  const PosedStereoRig posed = rig.At(SecondsFromUtime(world.utime) + dt_s);
+  const PosedStereoRig posed =
+      rig.At(SecondsFromUtime(world.utime) + dt_s, DriveOf(world, observer));
   return {posed.left.camera, posed.right.camera, X_WR * posed.left.X_RC, X_WR * posed.right.X_RC};
 }
 

@@ -15,6 +15,9 @@ namespace windhover {
 /// X_WB of `truth`, carried on for `dt_s` with its linear and angular velocity.
 Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s);
 
+/// What drives the rig of an observer during the tick that begins with `world`.
+RigDrive DriveOf(const world_truth_t& world, std::size_t observer);
+
 /// One moment of a mean over the exposure.
 struct ExposureNode {
   double offset_s;      ///< From the middle of the exposure.

@@ -1,6 +1,7 @@
 #include "rig/misalignment.h"
 
 #include "common/geometry/rotation.h"
+#include "common/random/random_stream.h"
 
 namespace windhover {
 namespace {
@@ -18,6 +19,18 @@ PosedCamera Misaligned(PosedCamera posed, const Misalignment& relative,
 }
 
 }  // namespace
+
+Misalignment Drawn(Misalignment misalignment, std::uint64_t seed, const std::string& name) {
+  RandomStream stream(seed, name + "/misalignment");
+  const Misalignment::Random random = misalignment.random;
+  misalignment.yaw_deg += random.yaw_sigma_deg * stream.Normal();
+  misalignment.pitch_deg += random.pitch_sigma_deg * stream.Normal();
+  misalignment.roll_deg += random.roll_sigma_deg * stream.Normal();
+  misalignment.offset_px += random.offset_sigma_px * stream.Normal();
+  misalignment.offset_px += stream.Uniform(-random.offset_spread_px, random.offset_spread_px);
+  misalignment.random = {};
+  return misalignment;
+}
 
 PosedStereoRig Misaligned(const StereoRig& rig, const Misalignment& misalignment) {
   const PosedStereoRig posed = Posed(rig);

@@ -38,6 +38,10 @@ PowerSpectrum PowerSpectrum::SmallMultirotorFloor() {
   return PowerSpectrum({{10, 5e-4}, {30, 2e-3}, {200, 2e-3}, {500, 3.2e-4}});
 }
 
+PowerSpectrum PowerSpectrum::MilStd810hCategory24() {
+  return PowerSpectrum({{20, 0.04}, {1000, 0.04}, {2000, 0.01}});  // -6 dB an octave.
+}
+
 PowerSpectrum PowerSpectrum::FromFile(const std::string& file) {
   FileFindings findings(file);
   const NumberTable table = ReadNumberTable(file, 2, /*more_allowed=*/false, &findings);

@@ -27,6 +27,10 @@ class PowerSpectrum {
   /// within ArduPilot's limits for acceptable vibration ("Measuring Vibration": below 30 m/s²).
   static PowerSpectrum SmallMultirotorFloor();
 
+  /// MIL-STD-810H, method 514.8, category 24: the test of minimum integrity, 7.7 g rms. Ten times
+  /// what flight does: an upper limit.
+  static PowerSpectrum MilStd810hCategory24();
+
   /// Reads lines of `f_hz,g2_per_hz`.
   /// @throws ConfigError listing every bad line as file:line: what.
   static PowerSpectrum FromFile(const std::string& file);

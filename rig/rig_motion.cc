@@ -1,55 +1,112 @@
 #include "rig/rig_motion.h"
 
-#include <algorithm>
+#include <array>
 #include <utility>
 
-#include <Eigen/SVD>
-
 #include "common/geometry/rotation.h"
+#include "common/random/random_stream.h"
 #include "rig/base_vibration.h"
-#include "rig/bending.h"
+#include "rig/drift.h"
+#include "rig/half_bar.h"
+#include "rig/sinusoid_sums.h"
 
 namespace windhover {
 namespace {
 
 using Eigen::Vector3d;
 
-Sinusoids Negated(Sinusoids signal) {
-  for (Sinusoid& line : signal) line.amplitude = -line.amplitude;
-  return signal;
-}
+// The sums of stationary vibration: turn of the rig; tips alike and, right minus left, half each.
+enum Sum { kTurnX, kTurnY, kTurnZ, kForward, kForwardApart, kUp, kUpApart, kTwist, kSums };
 
-// From motion of the bar's root in B (forward, left, up) to the rig's degrees of freedom in R
-// (right, down, forward).
-RigLines MakeLines(const BaseVibration& base, const FlexConfig& flex) {
-  const auto bend = [&](double frequency_hz) { return BendingResponse(flex, frequency_hz); };
+// From motion of the bar's root in B (forward, left, up) to the rig's (right, down, forward).
+SinusoidSums StationarySums(const BaseVibration& base, const BarModes& modes, double mean_over_s) {
+  // About its middle, where MeanOver begins.
+  const auto mean = [mean_over_s](double frequency_hz) {
+    const double half_turn_rad = EIGEN_PI * frequency_hz * mean_over_s;
+    return MeanOver(mean_over_s)(frequency_hz) * std::polar(1.0, -half_turn_rad);
+  };
+  const auto turn = [&](const Sinusoids& rate, double sign) {
+    return Filtered(rate, [&](double f) { return sign * mean(f) * Integration(f); });
+  };
+  const auto bend = [&](const Sinusoids& acceleration, const Mode& mode) {
+    return Filtered(acceleration,
+                    [&](double f) { return -modes.participation * mean(f) * Response(mode, f); });
+  };
+  const auto lever = [&](const Sinusoids& rate, const Mode& mode, double participation) {
+    return Filtered(rate, [&](double f) {
+      return participation * mean(f) * Differentiation(f) * Response(mode, f);
+    });
+  };
   const auto& [rate_forward, rate_left, rate_up] = base.angular_rate_radps;
-  return RigLines(
-      {Negated(Filtered(rate_left, Integration)), Negated(Filtered(rate_up, Integration)),
-       Filtered(rate_forward, Integration), Filtered(base.acceleration_mps2[0], bend),
-       Filtered(base.acceleration_mps2[2], bend)},
-      base.line_spacing_hz);
+  std::vector<Sinusoids> sums(kSums);
+  sums[kTurnX] = turn(rate_left, -1);
+  sums[kTurnY] = turn(rate_up, -1);
+  sums[kTurnZ] = turn(rate_forward, 1);
+  if (modes.participation > 0) {
+    sums[kForward] = bend(base.acceleration_mps2[0], modes.forward);
+    sums[kForwardApart] = lever(rate_up, modes.forward, -modes.angular_participation_m);
+    sums[kUp] = bend(base.acceleration_mps2[2], modes.up);
+    sums[kUpApart] = lever(rate_forward, modes.up, modes.angular_participation_m);
+    sums[kTwist] = lever(rate_left, modes.twist, modes.twist_participation);
+  }
+  return SinusoidSums(sums);
 }
 
-// Largest movement of a pixel per angle by which its camera turns, over the image.
-double LargestPxPerRad(const PinholeRadtan& camera, int width_px, int height_px) {
-  constexpr int kSteps = 8;
-  double largest = 0;
-  for (int i = 0; i <= kSteps; ++i) {
-    for (int j = 0; j <= kSteps; ++j) {
-      const auto ray_C =
-          camera.Unproject({(width_px - 1.0) * i / kSteps, (height_px - 1.0) * j / kSteps});
-      PixelFromPointJacobian dq_dp;
-      if (!ray_C || !camera.Project(*ray_C, &dq_dp)) continue;
-      largest = std::max(largest, dq_dp.jacobiSvd().singularValues()[0]);
+// What does not change in a flight: a bar whose front is warmer arches forward in its middle, with
+// curvature α ΔT / depth; a warm bar is longer.
+PosedStereoRig Warmed(PosedStereoRig rig, const FlexConfig& flex, double half_span_m) {
+  if (!flex.enabled) return rig;
+  const BarSection section = SectionOf(flex);
+  const double curvature_radpm =
+      section.expansion_per_K * flex.thermal_gradient_K / section.depth_m;
+  const double longer_m = section.expansion_per_K * flex.thermal_mean_K * half_span_m;
+  for (const int side : {-1, 1}) {
+    Eigen::Isometry3d& X_RC = (side < 0 ? rig.left : rig.right).X_RC;
+    const Vector3d turn_rad(0, side * curvature_radpm * half_span_m, 0);
+    X_RC.linear() = RotationFromVector(turn_rad) * X_RC.linear();
+    X_RC.translation() +=
+        Vector3d(side * longer_m, 0, -curvature_radpm * half_span_m * half_span_m / 2);
+  }
+  return rig;
+}
+
+// Slow and sudden changes of the cameras' relative angles: pitch, yaw, roll, as x, y, z of C.
+class Slips {
+ public:
+  Slips(const FlexConfig& flex, std::uint64_t seed, const std::string& name)
+      : landing_(flex.landing) {
+    if (!flex.enabled) landing_ = {};
+    const DriftConfig& drift = flex.drift;
+    const std::array<double, 3> sigmas_deg = {drift.pitch_sigma_deg, drift.yaw_sigma_deg,
+                                              drift.roll_sigma_deg};
+    const std::array<const char*, 3> names = {"pitch", "yaw", "roll"};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!flex.enabled || sigmas_deg[axis] == 0) continue;
+      drifts_rad_.emplace_back(
+          axis, OrnsteinUhlenbeck(RadFromDeg(sigmas_deg[axis]), drift.time_constant_s,
+                                  RandomStream(seed, name + "/drift/" + names[axis])));
     }
   }
-  return largest;
-}
 
-PosedCamera Moved(const PosedCamera& rest, const Eigen::Matrix3d& turn, const TipMotion& tip) {
+  Vector3d At(double t_s) const {
+    Vector3d turn_rad = Vector3d::Zero();
+    if (t_s >= landing_.time_s) {
+      turn_rad = RadFromDeg(1) * Vector3d(landing_.pitch_deg, landing_.yaw_deg, landing_.roll_deg);
+    }
+    for (const auto& [axis, drift_rad] : drifts_rad_) turn_rad[axis] += drift_rad.At(t_s);
+    return turn_rad;
+  }
+
+ private:
+  LandingConfig landing_;
+  std::vector<std::pair<int, OrnsteinUhlenbeck>> drifts_rad_;
+};
+
+PosedCamera Moved(const PosedCamera& rest, const Eigen::Matrix3d& turn, const TipMotion& tip,
+                  const Vector3d& own_turn_rad) {
   PosedCamera moved = rest;
-  moved.X_RC.linear() = turn * RotationFromVector(tip.turn_rad) * rest.X_RC.linear();
+  moved.X_RC.linear() = turn * RotationFromVector(tip.turn_rad) * rest.X_RC.linear() *
+                        RotationFromVector(own_turn_rad);
   moved.X_RC.translation() = turn * (rest.X_RC.translation() + tip.shift_m);
   return moved;
 }
@@ -59,62 +116,66 @@ PosedCamera Moved(const PosedCamera& rest, const Eigen::Matrix3d& turn, const Ti
 struct RigMotion::Impl {
   PosedStereoRig rest;
   double half_span_m;
-  double px_per_rad;
-  RigLines lines;
+  double mean_over_s;
+  SinusoidSums stationary;
+  DrivenBar driven;
+  Slips slips;
+
+  RigDeflection DeflectionAt(double t_s, const DrivenBar::Tick& tick) const {
+    const DrivenBar::Motion motion = mean_over_s > 0 ? tick.MeanAt(t_s, mean_over_s) : tick.At(t_s);
+    std::array<double, kSums> sums;
+    stationary.At(t_s, sums.data());
+    const auto tip = [&](int end, int side) {
+      const ModeState* const bar = &motion.bar[3 * end];
+      return TipDeflection{.forward_m = bar[0].x + sums[kForward] + side * sums[kForwardApart],
+                           .up_m = bar[1].x + sums[kUp] + side * sums[kUpApart],
+                           .twist_rad = bar[2].x + sums[kTwist]};
+    };
+    return {.turn_rad = motion.turn_rad + Vector3d(sums[kTurnX], sums[kTurnY], sums[kTurnZ]),
+            .left = tip(0, -1),
+            .right = tip(1, 1),
+            .relative_turn_rad = slips.At(t_s)};
+  }
+
+  PosedStereoRig At(double t_s, const DrivenBar::Tick& tick) const {
+    const RigDeflection now = DeflectionAt(t_s, tick);
+    const Eigen::Matrix3d turn = RotationFromVector(now.turn_rad);
+    const Vector3d half_rad = now.relative_turn_rad / 2;
+    return {Moved(rest.left, turn, MotionOf(now.left, half_span_m, -1), -half_rad),
+            Moved(rest.right, turn, MotionOf(now.right, half_span_m, 1), half_rad)};
+  }
 };
 
 RigMotion::RigMotion(const StereoRig& calibrated, const Misalignment& misalignment,
                      const FlexConfig& flex, const VibrationConfig& vibration, std::uint64_t seed,
-                     const std::string& name) {
-  const PosedStereoRig rest = Misaligned(calibrated, misalignment);
-  const auto px_per_rad = [&](const PinholeRadtan& camera) {
-    return LargestPxPerRad(camera, calibrated.width_px, calibrated.height_px);
-  };
+                     const std::string& name, double mean_over_s) {
+  const double half_span_m = calibrated.baseline_m / 2;
   impl_ = std::make_unique<const Impl>(
-      Impl{rest, calibrated.baseline_m / 2,
-           std::max(px_per_rad(rest.left.camera), px_per_rad(rest.right.camera)),
-           MakeLines(MakeBaseVibration(vibration, seed, name), flex)});
+      Impl{Warmed(Misaligned(calibrated, Drawn(misalignment, seed, name)), flex, half_span_m),
+           half_span_m, mean_over_s,
+           StationarySums(MakeBaseVibration(vibration, seed, name),
+                          ModesOf(flex, calibrated.baseline_m), mean_over_s),
+           DrivenBar(flex, vibration, calibrated.baseline_m, seed, name), Slips(flex, seed, name)});
 }
 
 RigMotion::~RigMotion() = default;
 RigMotion::RigMotion(RigMotion&&) noexcept = default;
 
-RigDeflection RigMotion::DeflectionAt(double t_s) const {
-  const RigLines::Vector values = impl_->lines.At(t_s);
-  return {.turn_rad = values.head<3>(), .forward_m = values[3], .up_m = values[4]};
+RigDeflection RigMotion::DeflectionAt(double t_s, const RigDrive& drive) const {
+  return impl_->DeflectionAt(t_s, DrivenBar::Tick(impl_->driven, drive));
 }
 
-PosedStereoRig RigMotion::At(double t_s) const {
-  if (impl_->lines.empty()) return impl_->rest;
-  const RigDeflection now = DeflectionAt(t_s);
-  const Eigen::Matrix3d turn = RotationFromVector(now.turn_rad);
-  const auto tip = [&](int side) {
-    return BentTip(now.forward_m, now.up_m, impl_->half_span_m, side);
-  };
-  return {Moved(impl_->rest.left, turn, tip(-1)), Moved(impl_->rest.right, turn, tip(+1))};
+PosedStereoRig RigMotion::At(double t_s, const RigDrive& drive) const {
+  return impl_->At(t_s, DrivenBar::Tick(impl_->driven, drive));
 }
 
-double RigMotion::MotionBoundPx(double t0_s, double t1_s) const {
-  constexpr int kIntervals = 8;
-  constexpr double kNearest_m = 1;
-  const RigLines& lines = impl_->lines;
-  if (lines.empty()) return 0;
-
-  RigLines::Vector low = lines.At(t0_s), high = low;
-  for (int i = 1; i <= kIntervals; ++i) {
-    const RigLines::Vector values = lines.At(t0_s + (t1_s - t0_s) * i / kIntervals);
-    low = low.cwiseMin(values);
-    high = high.cwiseMax(values);
-  }
-  // Between samples h apart a function leaves the chord by no more than h²/8 · max |f''|.
-  const double h_s = (t1_s - t0_s) / kIntervals;
-  const RigLines::Vector extent =
-      (high - low + lines.LargestCurvature() * (h_s * h_s / 4)).cwiseMin(2 * lines.Largest());
-  const double bend_m = extent.tail<2>().norm();
-  const double turn_rad = extent.head<3>().norm();
-  const double tip_rad = TipSlope_rad(bend_m, impl_->half_span_m);
-  const double shift_m = bend_m + turn_rad * impl_->half_span_m;
-  return impl_->px_per_rad * (turn_rad + tip_rad + shift_m / kNearest_m);
+std::vector<PosedStereoRig> RigMotion::AtMany(const std::vector<double>& times_s,
+                                              const RigDrive& drive) const {
+  const DrivenBar::Tick tick(impl_->driven, drive);
+  std::vector<PosedStereoRig> rigs;
+  rigs.reserve(times_s.size());
+  for (const double t_s : times_s) rigs.push_back(impl_->At(t_s, tick));
+  return rigs;
 }
 
 }  // namespace windhover

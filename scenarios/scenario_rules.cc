@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "rig/bar_modes.h"
 
 namespace windhover {
 namespace {
@@ -23,6 +26,7 @@ class RuleChecker {
   void CheckAll() {
     CheckFiles();
     CheckTimes();
+    CheckFlex();
     CheckEstimator();
     CheckExpectations();
     if (scenario_.aircraft.empty()) MustBe("aircraft", "a list of at least one", "none");
@@ -75,6 +79,26 @@ class RuleChecker {
     if (uwb_hz > 0 && uwb_hz < 1) {
       MustBe("uwb.rate_hz", "0 or at least 1", fmt::format("'{}'", uwb_hz));
     }
+  }
+
+  // Where the modes of the bar are, unless section, mass and length make no sense together.
+  void CheckFlex() {
+    const FlexConfig& flex = scenario_.flex;
+    if (!flex.enabled) return;
+    const BarModes modes = ModesOf(flex, scenario_.rig.calibrated.baseline_m);
+    const std::string bending = flex.frequency_hz > 0 ? "flex.frequency_hz" : "flex.section";
+    const std::string up = flex.frequency_hz > 0 ? bending : "flex.custom.EI_up_Nm2";
+    CheckMode(bending, "fore-aft bending", modes.forward);
+    CheckMode(flex.section == BarSectionType::kCustom ? up : bending, "vertical bending", modes.up);
+    CheckMode("flex.tip_inertia_kgm2", "torsion", modes.twist);
+  }
+
+  void CheckMode(const std::string& path, const std::string& name, const Mode& mode) {
+    constexpr double kLowest_hz = 1, kHighest_hz = 5000;
+    const double frequency_hz = mode.frequency_radps / (2 * std::numbers::pi);
+    if (frequency_hz >= kLowest_hz && frequency_hz <= kHighest_hz) return;
+    MustBe(path, fmt::format("such that {} has {} Hz to {} Hz", name, kLowest_hz, kHighest_hz),
+           fmt::format("{:.4g} Hz", frequency_hz), {"flex", "rig.baseline_m"});
   }
 
   void CheckEstimator() {

@@ -29,9 +29,13 @@ World::World(const Scenario& scenario) {
     bodies_.push_back(
         {aircraft.self.id, MakePath(aircraft, end_s),
          CommandedFlight(Eigen::Vector3d(aircraft.position_m.data()), RadFromDeg(aircraft.yaw_deg)),
-         FlightCommand{}, Rotors(aircraft.type, scenario.random_seed, name), Kinematics{}});
+         FlightCommand{}, Rotors(aircraft.type, scenario.random_seed, name), Kinematics{},
+         std::nullopt});
     Body& body = bodies_.back();
     body.state = body.path ? body.path->At(0) : body.flight.State();
+    if (aircraft.self.carries_rig && scenario.flex.enabled) {
+      body.bar.emplace(scenario, aircraft.self.id, body.state, body.rotors);
+    }
   }
 }
 
@@ -47,6 +51,7 @@ void World::AdvanceTo(Utime utime) {
       body.state = body.flight.State();
     }
     body.rotors.Advance(duration_s, body.state);
+    if (body.bar) body.bar->AdvanceTo(SecondsFromUtime(utime), body.state, body.rotors);
   }
   utime_ = utime;
 }
@@ -86,6 +91,11 @@ world_truth_t World::Truth() const {
     uav.qz = body.state.q_WB.z();
     std::copy_n(body.rotors.phase_rev().begin(), 4, uav.rotor_phase_rev);
     std::copy_n(body.rotors.rate_hz().begin(), 4, uav.rotor_rate_hz);
+    if (body.bar) {
+      const auto values = ValuesOf(body.bar->State());
+      uav.modal_state.assign(values.begin(), values.end());
+      uav.n_modal = static_cast<std::int32_t>(values.size());
+    }
     truth.uavs.push_back(std::move(uav));
   }
   return truth;

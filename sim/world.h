@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/time/sim_time.h"
 #include "lcmtypes/world_truth_t.hpp"
 #include "scenarios/scenario.h"
+#include "sim/carried_bar.h"
 #include "sim/commanded_flight.h"
 #include "sim/path.h"
 #include "sim/rotors.h"
@@ -46,6 +48,7 @@ class World {
     FlightCommand command;
     Rotors rotors;
     Kinematics state;
+    std::optional<CarriedBar> bar;  ///< Of the rig, if it carries one that bends.
   };
 
   std::vector<Body> bodies_;

@@ -27,6 +27,19 @@ VibrationConfig Psd() {
   return vibration;
 }
 
+VibrationConfig Rotors() {
+  VibrationConfig vibration;
+  vibration.source = VibrationSource::kRotors;
+  return vibration;
+}
+
+RigDrive Hovering() {
+  RigDrive drive;
+  drive.rotor_rate_hz = {49, 50, 51, 52};
+  drive.bar = BarState{};
+  return drive;
+}
+
 // A minute at 200 Hz, as long as recordings of a flight are.
 VibrationConfig Recorded() {
   const std::string file = std::filesystem::temp_directory_path() / "windhover_rig_bench.csv";
@@ -44,21 +57,29 @@ VibrationConfig Recorded() {
 
 void At(benchmark::State& state, const VibrationConfig& vibration) {
   const RigMotion motion = Motion(vibration);
-  double t_s = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(motion.At(t_s += 0.0037));
-}
-BENCHMARK_CAPTURE(At, psd, Psd());
-BENCHMARK_CAPTURE(At, recorded, Recorded());
-
-void MotionBoundPx(benchmark::State& state, const VibrationConfig& vibration) {
-  const RigMotion motion = Motion(vibration);
-  double t_s = 0;
+  RigDrive drive = Hovering();
   for (auto _ : state) {
-    t_s += 0.0037;
-    benchmark::DoNotOptimize(motion.MotionBoundPx(t_s, t_s + 0.002));
+    drive.start_s += 0.0037;
+    benchmark::DoNotOptimize(motion.At(drive.start_s, drive));
   }
 }
-BENCHMARK_CAPTURE(MotionBoundPx, psd, Psd());
+BENCHMARK_CAPTURE(At, psd, Psd());
+BENCHMARK_CAPTURE(At, rotors, Rotors());
+BENCHMARK_CAPTURE(At, recorded, Recorded());
+
+void AtMany(benchmark::State& state, const VibrationConfig& vibration) {
+  const RigMotion motion = Motion(vibration);
+  RigDrive drive = Hovering();
+  std::vector<double> times_s(64);
+  for (auto _ : state) {
+    for (double& t_s : times_s) t_s = drive.start_s += 0.0001;
+    benchmark::DoNotOptimize(motion.AtMany(times_s, drive));
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(times_s.size()));
+}
+BENCHMARK_CAPTURE(AtMany, psd, Psd());
+BENCHMARK_CAPTURE(AtMany, rotors, Rotors());
+BENCHMARK_CAPTURE(AtMany, recorded, Recorded());
 
 }  // namespace
 }  // namespace windhover

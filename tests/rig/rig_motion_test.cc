@@ -23,8 +23,13 @@ using Eigen::Vector3d;
 constexpr PinholeRadtan kCamera{.fx_px = 3215, .fy_px = 3215, .cx_px = 639.5, .cy_px = 359.5};
 constexpr StereoRig kRig{
     .left = kCamera, .right = kCamera, .baseline_m = 0.406, .width_px = 1280, .height_px = 720};
-constexpr FlexConfig kFlex{
-    .enabled = true, .frequency_hz = 117, .damping = 0.015, .participation = 1.05};
+const FlexConfig kFlex = [] {
+  FlexConfig flex;
+  flex.enabled = true;
+  flex.frequency_hz = 117;
+  flex.participation = 1.05;
+  return flex;
+}();
 const std::string kRecordedFlight = WINDHOVER_REAL_INPUTS_DIR "/vibration/euroc_mh01_imu_200hz.csv";
 
 VibrationConfig Psd() {
@@ -79,7 +84,6 @@ TEST(RigMotion, WithoutVibrationIsTheMisalignedRig) {
   const PosedStereoRig expected = Misaligned(kRig, misalignment), rig = motion.At(12.3);
   EXPECT_TRUE(rig.left.X_RC.isApprox(expected.left.X_RC, 0));
   EXPECT_EQ(rig.right.camera.cx_px, expected.right.camera.cx_px);
-  EXPECT_EQ(motion.MotionBoundPx(0, 1), 0);
 }
 
 // Fore-aft acceleration of 1 m/s² at resonance: the tips swing by Γ a / (2 ζ ω₁²) = 64.8 um, so
@@ -151,7 +155,8 @@ TEST(RigMotion, LevelScalesEverything) {
   twice.level = 2;
   const RigMotion one = Motion(kFlex, Psd()), two = Motion(kFlex, twice);
   for (double t_s = 0; t_s < 3; t_s += 0.31) {
-    EXPECT_NEAR(two.DeflectionAt(t_s).forward_m, 2 * one.DeflectionAt(t_s).forward_m, 1e-15);
+    EXPECT_NEAR(two.DeflectionAt(t_s).right.forward_m, 2 * one.DeflectionAt(t_s).right.forward_m,
+                1e-15);
     EXPECT_TRUE(two.DeflectionAt(t_s).turn_rad.isApprox(2 * one.DeflectionAt(t_s).turn_rad, 1e-9));
   }
 }
@@ -198,29 +203,6 @@ TEST(RigMotion, HarmonicEvaluationEqualsTheSumOfSinusoids) {
   for (const double t_s : {0.0, 0.0123, 7.7, 59.9, 100.0}) {
     EXPECT_NEAR(motion.DeflectionAt(t_s).turn_rad.y(), -Value(yaw, t_s), 1e-13) << t_s;
   }
-}
-
-TEST(RigMotion, MotionBoundHoldsAndIsNotLoose) {
-  const Vector3d p_RQ_m(2.5, 1.2, 15);
-  double largest_ratio = 0;
-  for (const double exposure_s : {0.0002, 0.002, 0.02}) {
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      const RigMotion motion = Motion(kFlex, Psd(), seed);
-      for (double t_s = 0; t_s < 1; t_s += 0.103) {
-        const auto at_start = Project(motion.At(t_s), p_RQ_m).value();
-        double moved_px = 0;
-        for (int i = 1; i <= 100; ++i) {
-          const auto seen = Project(motion.At(t_s + exposure_s * i / 100), p_RQ_m).value();
-          moved_px = std::max({moved_px, (seen.left_px - at_start.left_px).norm(),
-                               (seen.right_px - at_start.right_px).norm()});
-        }
-        const double bound_px = motion.MotionBoundPx(t_s, t_s + exposure_s);
-        EXPECT_LE(moved_px, bound_px);
-        largest_ratio = std::max(largest_ratio, moved_px / bound_px);
-      }
-    }
-  }
-  EXPECT_GT(largest_ratio, 0.4);
 }
 
 }  // namespace
