@@ -11,6 +11,7 @@
 #include "rig/misalignment.h"
 #include "rig/vibration.h"
 #include "scenarios/aircraft_config.h"
+#include "scenarios/flight_config.h"
 #include "scenarios/uwb_config.h"
 
 namespace windhover {
@@ -119,6 +120,8 @@ struct Aircraft {
   MeshConfig mesh;
   std::array<double, 3> position_m = {0, 0, 0};
   double yaw_deg = 0;
+  Dynamics dynamics = Dynamics::kKinematic;
+  std::array<double, 3> cg_offset_m = {0, 0, 0};
   std::array<double, 3> uwb_antenna_m = {0, 0, 0};
   TrajectoryConfig trajectory;
   std::vector<Waypoint> waypoints;
@@ -132,6 +135,9 @@ struct Aircraft {
     v.Field("controller", self.controller, AnyEnum{}, "who moves it");
     v.Field("position_m", position_m, InRange{-1e5, 1e5}, "start: east, north, up");
     v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "start: heading, 0 is east");
+    v.Field("dynamics", dynamics, AnyEnum{}, "whether forces move it");
+    v.Field("cg_offset_m", cg_offset_m, InRange{-0.05, 0.05},
+            "rigid_body: its centre of mass in the body frame");
     v.Field("uwb_antenna_m", uwb_antenna_m, InRange{-5, 5},
             "where its antenna is, in the body frame and from uwb.antenna_m");
     v.Section("trajectory", trajectory, "controller: trajectory");
@@ -277,6 +283,7 @@ struct Scenario {
   SensorConfig sensor;
   NavConfig nav;
   UwbConfig uwb;
+  WindConfig wind;
   std::vector<Aircraft> aircraft;  ///< Sorted by id, at least one.
   EnvironmentConfig environment;
   GeometricConfig geometric;
@@ -299,6 +306,7 @@ struct Scenario {
     v.Section("sensor", sensor, "from light to bytes");
     v.Section("nav", nav, "what an aircraft's own navigation reports");
     v.Section("uwb", uwb, "UWB ranging between aircraft");
+    v.Section("wind", wind, "moving air; acts on aircraft of dynamics rigid_body");
     v.List("aircraft", aircraft, "every aircraft");
     v.Section("environment", environment, "surroundings and light");
     v.Section("geometric", geometric, "boxes of observe: geometric");

@@ -27,6 +27,7 @@ class RuleChecker {
     CheckFiles();
     CheckTimes();
     CheckFlex();
+    CheckWind();
     CheckEstimator();
     CheckExpectations();
     if (scenario_.aircraft.empty()) MustBe("aircraft", "a list of at least one", "none");
@@ -99,6 +100,15 @@ class RuleChecker {
     if (frequency_hz >= kLowest_hz && frequency_hz <= kHighest_hz) return;
     MustBe(path, fmt::format("such that {} has {} Hz to {} Hz", name, kLowest_hz, kHighest_hz),
            fmt::format("{:.4g} Hz", frequency_hz), {"flex", "rig.baseline_m"});
+  }
+
+  void CheckWind() {
+    const auto& aircraft = scenario_.aircraft;
+    const bool acts = std::any_of(aircraft.begin(), aircraft.end(), [](const Aircraft& one) {
+      return one.dynamics == Dynamics::kRigidBody;
+    });
+    if (scenario_.wind.IsCalm() || acts || aircraft.empty()) return;
+    MustBe("wind", "calm where no aircraft has dynamics rigid_body: it would move none", "wind");
   }
 
   void CheckEstimator() {

@@ -5,10 +5,10 @@
 namespace windhover {
 namespace {
 
-RigDrive DriveAt(double t_s, const Kinematics& state, const Rotors& rotors) {
+RigDrive DriveAt(double t_s, const Kinematics& state, const RotorsTurning& rotors) {
   return {.start_s = t_s,
-          .rotor_phase_rev = rotors.phase_rev(),
-          .rotor_rate_hz = rotors.rate_hz(),
+          .rotor_phase_rev = rotors.phase_rev,
+          .rotor_rate_hz = rotors.rate_hz,
           .specific_force_B_mps2 = state.q_WB.inverse() * (state.a_WB_mps2 - GravityInWorld()),
           .bar = std::nullopt};
 }
@@ -16,14 +16,14 @@ RigDrive DriveAt(double t_s, const Kinematics& state, const Rotors& rotors) {
 }  // namespace
 
 CarriedBar::CarriedBar(const Scenario& scenario, int aircraft_id, const Kinematics& state,
-                       const Rotors& rotors)
+                       const RotorsTurning& rotors)
     : bar_(scenario.flex, scenario.vibration, scenario.rig.calibrated.baseline_m,
            scenario.random_seed, fmt::format("uav{}", aircraft_id)),
       drive_(DriveAt(0, state, rotors)) {
   drive_.bar = bar_.Stepped(drive_, drive_);
 }
 
-void CarriedBar::AdvanceTo(double t_s, const Kinematics& state, const Rotors& rotors) {
+void CarriedBar::AdvanceTo(double t_s, const Kinematics& state, const RotorsTurning& rotors) {
   RigDrive now = DriveAt(t_s, state, rotors);
   now.bar = bar_.Stepped(drive_, now);
   drive_ = now;

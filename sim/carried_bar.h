@@ -12,10 +12,10 @@ class CarriedBar {
  public:
   /// At time 0, as if it had always flown like this.
   CarriedBar(const Scenario& scenario, int aircraft_id, const Kinematics& state,
-             const Rotors& rotors);
+             const RotorsTurning& rotors);
 
   /// Takes it on to the time `t_s`, at which the aircraft is in `state`.
-  void AdvanceTo(double t_s, const Kinematics& state, const Rotors& rotors);
+  void AdvanceTo(double t_s, const Kinematics& state, const RotorsTurning& rotors);
 
   const BarState& State() const { return *drive_.bar; }
 

@@ -26,15 +26,15 @@ Rotors::Rotors(AircraftType type, std::uint64_t seed, const std::string& name) {
   for (double& rate_hz : hover_hz_) {
     rate_hz = HoverRate_hz(type) * (1 + stream.Uniform(-kSpread, kSpread));
   }
-  rate_hz_ = hover_hz_;
+  turning_.rate_hz = hover_hz_;
 }
 
 void Rotors::Advance(double duration_s, const Kinematics& state) {
   const double thrust_ratio = (state.a_WB_mps2 - GravityInWorld()).norm() / kGravity_mps2;
   for (int i = 0; i < 4; ++i) {
-    const double before_hz = rate_hz_[i];
-    rate_hz_[i] = hover_hz_[i] * std::sqrt(thrust_ratio);
-    phase_rev_[i] += duration_s * (before_hz + rate_hz_[i]) / 2;
+    const double before_hz = turning_.rate_hz[i];
+    turning_.rate_hz[i] = hover_hz_[i] * std::sqrt(thrust_ratio);
+    turning_.phase_rev[i] += duration_s * (before_hz + turning_.rate_hz[i]) / 2;
   }
 }
 

@@ -9,7 +9,12 @@
 
 namespace windhover {
 
-/// Speeds and phases of an aircraft's four rotors. At hover they differ by up to 3 % (mixing and
+/// How four rotors turn: revolutions since the start of the run, and their rates.
+struct RotorsTurning {
+  std::array<double, 4> phase_rev{}, rate_hz{};
+};
+
+/// The four rotors of a kinematic aircraft. At hover their speeds differ by up to 3 % (mixing and
 /// an off-centre load); thrust goes with the square of their speed.
 class Rotors {
  public:
@@ -19,11 +24,11 @@ class Rotors {
   /// Turns them for `duration_s`, in the end as fast as `state` needs.
   void Advance(double duration_s, const Kinematics& state);
 
-  const std::array<double, 4>& phase_rev() const { return phase_rev_; }
-  const std::array<double, 4>& rate_hz() const { return rate_hz_; }
+  const RotorsTurning& Turning() const { return turning_; }
 
  private:
-  std::array<double, 4> hover_hz_, rate_hz_, phase_rev_{};
+  std::array<double, 4> hover_hz_;
+  RotorsTurning turning_;
 };
 
 }  // namespace windhover

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include <Eigen/Core>
+#include <numbers>
 
 namespace windhover {
 namespace {
@@ -43,7 +42,7 @@ double PowerBias_m(double distance_m) {
   constexpr std::array<double, 17> kBias_cm = {-11.0, -10.5, -10.0, -9.3, -8.2, -6.9,
                                                -5.1,  -2.7,  0.0,   2.1,  3.5,  4.2,
                                                4.9,   6.2,   7.1,   7.6,  8.1};
-  const double path = 4 * EIGEN_PI * distance_m * kCarrier_hz / kSpeedOfLight_mps;
+  const double path = 4 * std::numbers::pi * distance_m * kCarrier_hz / kSpeedOfLight_mps;
   const double received_dbm = kSent_dbm - 20 * std::log10(std::max(path, 1.0));
   constexpr double kLast = kBias_cm.size() - 1;
   const double at = std::clamp((kFirst_dbm - received_dbm) / kStep_db, 0.0, kLast);

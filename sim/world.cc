@@ -27,14 +27,22 @@ World::World(const Scenario& scenario) {
   for (const Aircraft& aircraft : scenario.aircraft) {
     const std::string name = fmt::format("uav{}", aircraft.self.id);
     bodies_.push_back(
-        {aircraft.self.id, MakePath(aircraft, end_s),
+        {aircraft.self.id, MakePath(aircraft, end_s), nullptr,
          CommandedFlight(Eigen::Vector3d(aircraft.position_m.data()), RadFromDeg(aircraft.yaw_deg)),
          FlightCommand{}, Rotors(aircraft.type, scenario.random_seed, name), Kinematics{},
-         std::nullopt});
+         RotorsTurning{}, std::nullopt});
     Body& body = bodies_.back();
-    body.state = body.path ? body.path->At(0) : body.flight.State();
+    if (aircraft.dynamics == Dynamics::kRigidBody) {
+      body.rigid = std::make_unique<RigidFlight>(aircraft, scenario.wind, scenario.random_seed,
+                                                 body.path.get());
+      body.state = body.rigid->State();
+      body.turning = body.rigid->Turning();
+    } else {
+      body.state = body.path ? body.path->At(0) : body.flight.State();
+      body.turning = body.rotors.Turning();
+    }
     if (aircraft.self.carries_rig && scenario.flex.enabled) {
-      body.bar.emplace(scenario, aircraft.self.id, body.state, body.rotors);
+      body.bar.emplace(scenario, aircraft.self.id, body.state, body.turning);
     }
   }
 }
@@ -42,18 +50,29 @@ World::World(const Scenario& scenario) {
 void World::AdvanceTo(Utime utime) {
   if (utime < utime_) throw std::logic_error("the world cannot go back in time");
   if (utime == utime_) return;
-  const double duration_s = SecondsFromUtime(utime - utime_);
   for (Body& body : bodies_) {
-    if (body.path) {
-      body.state = body.path->At(SecondsFromUtime(utime));
-    } else {
-      body.flight.Advance(duration_s, body.command);
-      body.state = body.flight.State();
-    }
-    body.rotors.Advance(duration_s, body.state);
-    if (body.bar) body.bar->AdvanceTo(SecondsFromUtime(utime), body.state, body.rotors);
+    Advance(body, utime_, utime);
+    if (body.bar) body.bar->AdvanceTo(SecondsFromUtime(utime), body.state, body.turning);
   }
   utime_ = utime;
+}
+
+void World::Advance(Body& body, Utime from, Utime to) {
+  if (body.rigid) {
+    body.rigid->AdvanceTo(to, body.command);
+    body.state = body.rigid->State();
+    body.turning = body.rigid->Turning();
+    return;
+  }
+  const double duration_s = SecondsFromUtime(to - from);
+  if (body.path) {
+    body.state = body.path->At(SecondsFromUtime(to));
+  } else {
+    body.flight.Advance(duration_s, body.command);
+    body.state = body.flight.State();
+  }
+  body.rotors.Advance(duration_s, body.state);
+  body.turning = body.rotors.Turning();
 }
 
 void World::Command(int position, const FlightCommand& command) {
@@ -89,8 +108,8 @@ world_truth_t World::Truth() const {
     uav.qx = body.state.q_WB.x();
     uav.qy = body.state.q_WB.y();
     uav.qz = body.state.q_WB.z();
-    std::copy_n(body.rotors.phase_rev().begin(), 4, uav.rotor_phase_rev);
-    std::copy_n(body.rotors.rate_hz().begin(), 4, uav.rotor_rate_hz);
+    std::copy_n(body.turning.phase_rev.begin(), 4, uav.rotor_phase_rev);
+    std::copy_n(body.turning.rate_hz.begin(), 4, uav.rotor_rate_hz);
     if (body.bar) {
       const auto values = ValuesOf(body.bar->State());
       uav.modal_state.assign(values.begin(), values.end());

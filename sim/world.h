@@ -10,6 +10,7 @@
 #include "sim/carried_bar.h"
 #include "sim/commanded_flight.h"
 #include "sim/path.h"
+#include "sim/rigid_flight.h"
 #include "sim/rotors.h"
 
 namespace windhover {
@@ -22,6 +23,7 @@ class World {
   explicit World(const Scenario& scenario);
 
   /// Moves everything on. @pre utime is not before the present.
+  /// @throws RunInvalid if an aircraft's state is no longer finite.
   void AdvanceTo(Utime utime);
 
   /// What the aircraft at `position` in the scenario does from now on, if it is commanded.
@@ -43,13 +45,17 @@ class World {
  private:
   struct Body {
     int id;
-    std::unique_ptr<Path> path;  ///< Null: `flight` under `command`.
+    std::unique_ptr<Path> path;          ///< Null: flies under `command`.
+    std::unique_ptr<RigidFlight> rigid;  ///< Null: kinematic, on `path` or by `flight`.
     CommandedFlight flight;
     FlightCommand command;
     Rotors rotors;
     Kinematics state;
+    RotorsTurning turning;
     std::optional<CarriedBar> bar;  ///< Of the rig, if it carries one that bends.
   };
+
+  static void Advance(Body& body, Utime from, Utime to);
 
   std::vector<Body> bodies_;
   Utime utime_ = 0;

@@ -143,6 +143,13 @@ TEST(Scenario, ChecksEachRule) {
                                     "before, 1 (found '1')")));
   EXPECT_THAT(ErrorsOf(head + "  - {type: mesh}\n"),
               ElementsAre(HasSubstr("aircraft.0.mesh.file: must be the name of a file")));
+  EXPECT_THAT(ErrorsOf(kValid + "wind: {turbulence: light}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:7: wind: must be calm where no aircraft has dynamics "
+                                    "rigid_body")));
+  EXPECT_THAT(ErrorsOf(kValid + "wind: {mean_mps: [1, 0]}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:18: wind.mean_mps: must be")));
+  EXPECT_THAT(ErrorsOf(kValid + "wind: {turbulence: light}\n", {"aircraft.0.dynamics=rigid_body"}),
+              testing::IsEmpty());
   EXPECT_THAT(ErrorsOf(kValid + "uwb: {rate_hz: 0.5}\n"),
               ElementsAre(HasSubstr("s.yaml:5:16: uwb.rate_hz: must be 0 or at least 1")));
   EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a}]\n"),

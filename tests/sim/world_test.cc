@@ -96,6 +96,26 @@ TEST(World, RotorsShakeTheBarOfTheRig) {
   }
 }
 
+TEST(World, ARigidBodyObeysForcesAndOthersStayAsTheyWere) {
+  Scenario scenario = TwoAircraft();
+  World kinematic(scenario);
+  scenario.aircraft[0].dynamics = Dynamics::kRigidBody;
+  scenario.wind.mean_mps = {0, 6, 0};
+  World world(scenario);
+  for (World* one : {&kinematic, &world}) {
+    one->Command(0, {{1, 0, 0}, 0});
+    one->AdvanceTo(2'000'000);
+  }
+  EXPECT_EQ(world.State(1).p_WB_m, kinematic.State(1).p_WB_m);
+  EXPECT_EQ(world.Truth().uavs[1].rotor_rate_hz[2], kinematic.Truth().uavs[1].rotor_rate_hz[2]);
+  // It gets where a faultless one would, leaning to the south against the wind.
+  EXPECT_LT((world.State(0).p_WB_m - kinematic.State(0).p_WB_m).norm(), 0.3);
+  EXPECT_LT((world.State(0).q_WB * Vector3d::UnitZ()).y(), -0.05);
+  const uav_truth_t truth = world.Truth().uavs[0];
+  EXPECT_NEAR(truth.rotor_phase_rev[0], 2 * truth.rotor_rate_hz[0], 1);
+  EXPECT_NEAR(truth.rotor_rate_hz[0], 50, 1);
+}
+
 TEST(World, SplittingTheTimeChangesNothingThatMatters) {
   World one(TwoAircraft()), two(TwoAircraft());
   one.Command(0, {{2, 1, 0}, 0.3});
