@@ -13,7 +13,8 @@ target_include_directories(windhover_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(windhover_flags INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   -Wold-style-cast -Wcast-qual -Wlogical-op -Wduplicated-cond
-  -Wno-maybe-uninitialized  # g++ 12 falsely dings Eigen expressions.
+  -Wno-maybe-uninitialized  # g++ 12 falsely dings Eigen expressions,
+  -Wno-restrict             # and the growth of strings at -O3 (GCC bug 105651).
   -ffp-contract=off)        # The same bits on every x86-64, with or without FMA.
 if(WINDHOVER_SANITIZE)
   target_compile_options(windhover_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all)
