@@ -205,21 +205,24 @@ void StereoRenderer::DrawParts(const world_truth_t& world) {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const int n_observers = static_cast<int>(observers_.size());
   const int n_bands = 2 * n_observers * kBands;
-  ParallelFor(n_observers + n_bands, threads_,
-              [&, width = width_px, height = height_px](int task, int worker) {
-                if (task < n_observers) {
-                  std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
-                  if (pass == nullptr) pass = std::make_unique<TargetPass>(MakeOsMesaContext());
-                  for (Eye& eye : observers_[static_cast<std::size_t>(task)]->eyes) {
-                    DrawTargets(world, &eye, pass.get());
-                  }
-                  return;
-                }
-                const int band = task - n_observers;
-                Eye* eye = EyeOf(band / kBands);
-                FillBackground(eye->backgrounds, BandOf(band % kBands, height), width,
-                               eye->linear.data());
-              });
+  ParallelFor(
+      n_observers + n_bands, threads_,
+      [&, width = width_px, height = height_px](int task, int worker) {
+        if (task < n_observers) {
+          std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
+          if (pass == nullptr) {
+            pass =
+                std::make_unique<TargetPass>(MakeOsMesaContext(), scenario_.exposure.max_blur_px);
+          }
+          for (Eye& eye : observers_[static_cast<std::size_t>(task)]->eyes) {
+            DrawTargets(world, &eye, pass.get());
+          }
+          return;
+        }
+        const int band = task - n_observers;
+        Eye* eye = EyeOf(band / kBands);
+        FillBackground(eye->backgrounds, BandOf(band % kBands, height), width, eye->linear.data());
+      });
 }
 
 StereoRenderer::Eye* StereoRenderer::EyeOf(int index) {

@@ -285,17 +285,18 @@ struct TargetPass::Gl {
   std::vector<TargetCanvas::Pixel> samples;
 };
 
-TargetPass::TargetPass(std::unique_ptr<GlContext> context)
-    : gl_(std::make_unique<Gl>(std::move(context))) {}
+TargetPass::TargetPass(std::unique_ptr<GlContext> context, double max_blur_px)
+    : gl_(std::make_unique<Gl>(std::move(context))), max_blur_px_(max_blur_px) {}
 TargetPass::~TargetPass() = default;
 
 TargetLayer TargetPass::Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
                              int height_px, std::span<const Eigen::Isometry3d> X_CB) {
-  constexpr double kMaxResidual_px = 0.1, kMaxShift_px = 128;
+  constexpr double kMaxShift_px = 128;
   const ImageMotion motion = MotionOf(target.level->box, camera, X_CB);
-  // A short exposure moves the image as a whole: one drawing serves all sub-exposures.
+  // A short exposure moves the image as a whole: one drawing serves all sub-exposures. What is
+  // left goes from -residual to +residual, so that its mean is in the drawing.
   const bool is_shift =
-      motion.residual_px <= kMaxResidual_px && motion.LargestShiftPx() <= kMaxShift_px;
+      2 * motion.residual_px <= max_blur_px_ && motion.LargestShiftPx() <= kMaxShift_px;
   const std::span<const Eigen::Isometry3d> drawn =
       is_shift ? X_CB.subspan(X_CB.size() / 2, 1) : X_CB;
   std::vector<Drawing> drawings;

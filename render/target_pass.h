@@ -39,13 +39,14 @@ struct TargetLayer {
 /// One per thread that draws.
 class TargetPass {
  public:
-  explicit TargetPass(std::unique_ptr<GlContext> context);
+  /// `max_blur_px`: relative motion of a target's parts that one drawing may hide.
+  TargetPass(std::unique_ptr<GlContext> context, double max_blur_px);
   ~TargetPass();
   TargetPass(const TargetPass&) = delete;
 
   /// Draws `target` from the poses `X_CB` (sub-exposures; the middle one is the middle of the
-  /// exposure) into an image of width × height px. Where all of the target moves alike to 0.1 px,
-  /// it is drawn once and its samples are moved by whole samples.
+  /// exposure) into an image of width × height px. Where its parts move against each other by no
+  /// more than max_blur_px, it is drawn once and its samples are moved by whole samples.
   /// @return an empty layer if the target is not in the image.
   TargetLayer Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
                    int height_px, std::span<const Eigen::Isometry3d> X_CB);
@@ -53,6 +54,7 @@ class TargetPass {
  private:
   struct Gl;
   std::unique_ptr<Gl> gl_;
+  double max_blur_px_;
 };
 
 }  // namespace windhover

@@ -125,7 +125,7 @@ void BM_Target(benchmark::State& state) {
   const PreparedModel model(shape.model, shape.radius_m);
   const auto environment = MakeEnvironment(scenario.environment);
   const SkyLight light(scenario.environment, *environment);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), scenario.exposure.max_blur_px);
   const PinholeRadtan camera = scenario.rig.calibrated.ToStereoRig().left;
   const auto depth_m = static_cast<double>(state.range(0));
   Eigen::Isometry3d X_CB = Eigen::Isometry3d::Identity();

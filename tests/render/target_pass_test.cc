@@ -13,6 +13,7 @@ namespace windhover {
 namespace {
 
 constexpr int kWidth_px = 1280, kHeight_px = 720;
+constexpr double kMaxBlur_px = 0.5;
 
 PinholeRadtan Camera(double k1 = 0, double k2 = 0) {
   return {.fx_px = 3215, .fy_px = 3215, .cx_px = 639.5, .cy_px = 359.5, .k1 = k1, .k2 = k2};
@@ -58,7 +59,7 @@ TEST(TargetPass, SphereIsWhereItsConeIs) {
   AircraftModel ball;
   AddEllipsoid({0, 0, 0}, Eigen::Vector3f::Constant(kRadius_m), 128, {1, 1, 1}, &ball.body);
   const PreparedModel model(ball, kRadius_m);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   double squares = 0, worst = 0;
   int n = 0;
   for (const double depth_m : {7.0, 12.0, 17.0, 25.0, 41.0, 80.0}) {
@@ -99,7 +100,7 @@ TEST_P(Silhouette, IsWhereVerticesAreProjected) {
   std::vector<Eigen::Vector3d> outline;
   for (const auto i : ExtremeVertices(points)) outline.push_back(points[i].cast<double>());
   const PreparedModel model(m200, 0.7);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   for (int i = 0; i < 6; ++i) {
     const Eigen::Matrix3d R_CB =
         R_BC_Forward().transpose() * RotationFromVector({0.1, 0.25, 0.7 * i});
@@ -126,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(Distances, Silhouette, testing::Values(5.0, 10.0, 20.0,
 // V7.3: propeller tip to propeller tip, seen from ahead, spans f W / Z.
 TEST(TargetPass, WidthIsFocalLengthTimesWidthOverDepth) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   const std::array poses = {At({0, 0, 20}, R_BC_Forward().transpose())};
   const std::array layers = {pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses)};
   target_view_t view{};
@@ -161,7 +162,7 @@ TEST(PreparedModel, EdgesAreShortEnoughForTheLens) {
 
 TEST(TargetPass, SubExposuresMeanMotion) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   std::vector<Eigen::Isometry3d> poses;
   for (const double x_m : {-0.02, 0.0, 0.02}) {
     poses.push_back(At({x_m, 0, 20}, R_BC_Forward().transpose()));
@@ -176,9 +177,27 @@ TEST(TargetPass, SubExposuresMeanMotion) {
   EXPECT_GT(blurred.roi.width, sharp.roi.width + 4);  // 6.4 px wider.
 }
 
+// A target that closes in grows during the exposure: its rim moves by about ±0.3 px, evenly to both
+// sides of the middle pose. Drawn once or for each sub-exposure, its image has the same centre and
+// size; 0.02 px is what either drawing is true to (above) where no edge lies along the samples.
+TEST(TargetPass, GrowthThatOneDrawingHidesMovesNothing) {
+  const PreparedModel model(MakeM200(true), 0.7);
+  TargetPass each(MakeOsMesaContext(), 0), once(MakeOsMesaContext(), 1);
+  const Eigen::Matrix3d R_CB = R_BC_Forward().transpose() * RotationFromVector({0.1, 0.25, 0.7});
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = -2; i <= 2; ++i) poses.push_back(At({0.4, 0.2, 8 - 0.0024 * i}, R_CB));
+  const ShadedTarget target = White(model, 8);
+  const TargetLayer all = each.Draw(target, Camera(), kWidth_px, kHeight_px, poses);
+  const TargetLayer one = once.Draw(target, Camera(), kWidth_px, kHeight_px, poses);
+  const Centroid a = CentroidOf(all), b = CentroidOf(one);
+  EXPECT_NEAR(a.x_px, b.x_px, 0.02);
+  EXPECT_NEAR(a.y_px, b.y_px, 0.02);
+  EXPECT_NEAR(b.area_px / a.area_px, 1, 2e-3);
+}
+
 TEST(TargetPass, LeavesOutWhatIsBehindOrBeside) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   for (const Eigen::Vector3d& p_C :
        {Eigen::Vector3d(0, 0, -10), Eigen::Vector3d(30, 0, 20), Eigen::Vector3d(0, -30, 20)}) {
     const std::array poses = {At(p_C, Eigen::Matrix3d::Identity())};
@@ -188,7 +207,7 @@ TEST(TargetPass, LeavesOutWhatIsBehindOrBeside) {
 
 TEST(TargetPass, SurvivesATargetAroundTheCamera) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext());
+  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   for (const double depth_m : {0.0, 0.2, 0.5}) {
     const std::array poses = {At({0, 0, depth_m}, R_BC_Forward().transpose())};
     const TargetLayer layer =
