@@ -11,7 +11,8 @@
 namespace windhover {
 namespace {
 
-constexpr int kStubSize_px = 16;
+// OSMesa wants a framebuffer of its own beside ours; nothing is drawn into it.
+constexpr int kOwnSize_px = 16;
 
 // Mesa makes its screen with the first context and reads its environment then.
 std::mutex& CreationMutex() {
@@ -47,7 +48,8 @@ class OsMesaContext final : public GlContext {
   }
 
   void MakeCurrent() override {
-    if (!OSMesaMakeCurrent(context_, stub_.data(), GL_UNSIGNED_BYTE, kStubSize_px, kStubSize_px)) {
+    if (!OSMesaMakeCurrent(context_, own_framebuffer_.data(), GL_UNSIGNED_BYTE, kOwnSize_px,
+                           kOwnSize_px)) {
       throw std::runtime_error("OSMesaMakeCurrent failed");
     }
   }
@@ -65,7 +67,7 @@ class OsMesaContext final : public GlContext {
 
   OSMesaContext context_ = nullptr;
   GlFunctions gl_;
-  std::array<unsigned char, kStubSize_px * kStubSize_px * 4> stub_{};
+  std::array<unsigned char, kOwnSize_px * kOwnSize_px * 4> own_framebuffer_{};
 };
 
 }  // namespace

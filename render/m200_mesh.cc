@@ -72,15 +72,11 @@ AircraftModel MakeM200(bool orange) {
     AddLandingLeg(sign_y, &model.body);
     for (const float sign_x : {-1.0f, 1.0f}) {
       AddArm(sign_x, sign_y, &model.body);
-      // Blades are pitched, so what they sweep has a height.
-      AddTube({sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m - 0.006f},
-              {sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m + 0.006f}, kPropellerRadius_m,
-              kPropellerRadius_m, 64, kDark, &model.rotor_discs);
+      AddRotorDisc({sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m}, kPropellerRadius_m, kDark,
+                   &model.rotor_discs);
     }
   }
-  const Vector3f to_centre(0, 0, -kHeight_m / 2);
-  for (Vector3f& p : model.body.positions) p += to_centre;
-  for (Vector3f& p : model.rotor_discs.positions) p += to_centre;
+  MoveToMiddle(kHeight_m, &model);
   return model;
 }
 

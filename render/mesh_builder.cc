@@ -149,6 +149,17 @@ void AddEllipsoid(const Vector3f& centre_m, const Vector3f& radii_m, int sides,
   }
 }
 
+void AddRotorDisc(const Vector3f& hub_m, float radius_m, const Vector3f& colour, Mesh* mesh) {
+  const Vector3f half_height(0, 0, 0.006f);
+  AddTube(hub_m - half_height, hub_m + half_height, radius_m, radius_m, 64, colour, mesh);
+}
+
+void MoveToMiddle(float height_m, AircraftModel* model) {
+  const Vector3f to_middle(0, 0, -height_m / 2);
+  for (Vector3f& p : model->body.positions) p += to_middle;
+  for (Vector3f& p : model->rotor_discs.positions) p += to_middle;
+}
+
 Vector3f ColourFromSrgb(int red, int green, int blue) {
   return Vector3f(static_cast<float>(LinearFromSrgb(red / 255.0)),
                   static_cast<float>(LinearFromSrgb(green / 255.0)),
