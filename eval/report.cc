@@ -140,6 +140,25 @@ std::string JsonList(const Json& json) {
   return "<dl>\n" + JsonRows(json, "") + "</dl>\n";
 }
 
+std::string TimingHtml(Json timing) {
+  if (!timing.is_object() || timing.empty()) return "";
+  std::string rows;
+  for (const auto& [process, stages] : timing.value("stages", Json::object()).items()) {
+    for (const Json& stage : stages) {
+      const double n = stage.value("n", 0.0);
+      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.0f}</td><td>{}</td><td>{}</td></tr>\n",
+                          XmlEscaped(process), XmlEscaped(stage.value("stage", "")), n,
+                          Number(stage.value("wall_ms", 0.0) / n),
+                          Number(stage.value("cpu_ms", 0.0) / n));
+    }
+  }
+  timing.erase("stages");
+  return JsonList(timing) +
+         "<div class=\"wide\"><table><tr><th>process</th><th>stage</th><th>times</th><th>wall, "
+         "ms each</th><th>CPU, ms each</th></tr>\n" +
+         rows + "</table></div>\n";
+}
+
 std::string ScenarioList(const Evaluation& evaluation) {
   const Scenario& scenario = evaluation.run.scenario;
   const CalibratedRig& rig = scenario.rig.calibrated;
@@ -186,7 +205,7 @@ void WriteReport(const Evaluation& evaluation, const std::filesystem::path& dir)
   html += Section("Frames", FramesHtml(evaluation, dir / "frames"));
   html += Section("Swarm", SwarmTable(evaluation.swarm));
   html += Section("Scenario", ScenarioList(evaluation));
-  html += Section("Timing (wall clock)", JsonList(evaluation.timing));
+  html += Section("Timing (wall clock)", TimingHtml(evaluation.timing));
   html += Section("Provenance", Provenance(evaluation));
   WriteTextFile(dir / "report.html", html + "</body></html>\n");
 }
