@@ -3,6 +3,7 @@
 
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/ten_mistakes.h"
 
 namespace windhover {
 namespace {
@@ -45,18 +46,7 @@ TEST(Windhover, WrongUsageIsExitCode2) {
 
 TEST(WindhoverCheck, PrintsEveryMistakeAtItsPlace) {
   const TemporaryFolder folder;
-  const auto file = folder.Write("s.yaml", R"(description: ""
-frame_rat_hz: 20
-duration_s: -1
-observe: pictures
-exposure: {duration_ms: 200}
-estimator: {methods: [baseline], in_loop: size}
-vibration: {source: recorded}
-environment: {type: photo, file: none.jpg}
-aircraft:
-  - {id: 1, controller: trajectory}
-  - {id: 1, position_m: [5, 0, 0]}
-)");
+  const auto file = folder.Write("s.yaml", kTenMistakes);
   Program check({kWindhover, "check", file});
   EXPECT_EQ(check.Wait(), 2);
   std::istringstream lines(check.Err());

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"
+#include "tests/support/ten_mistakes.h"
 
 namespace windhover {
 namespace {
@@ -93,18 +94,7 @@ TEST(Scenario, LogHeaderIsTheSameWhereverAndHoweverItRuns) {
 }
 
 TEST(Scenario, ReportsTenMistakesAtOnce) {
-  EXPECT_THAT(ErrorsOf(R"(description: ""
-frame_rat_hz: 20
-duration_s: -1
-observe: pictures
-exposure: {duration_ms: 200}
-estimator: {methods: [baseline], in_loop: size}
-vibration: {source: recorded}
-environment: {type: photo, file: none.jpg}
-aircraft:
-  - {id: 1, controller: trajectory}
-  - {id: 1, position_m: [5, 0, 0]}
-)"),
+  EXPECT_THAT(ErrorsOf(kTenMistakes),
               ElementsAre(HasSubstr("s.yaml:1:14: description: must be text, not empty"),
                           HasSubstr("s.yaml:2:1: frame_rat_hz: must be a known key; did you mean "
                                     "'frame_rate_hz'?"),
