@@ -5,6 +5,7 @@
 #include "common/config/config_reader.h"
 #include "common/config/config_tree.h"
 #include "common/config/config_writer.h"
+#include "rig/base_vibration.h"
 #include "scenarios/scenario_rules.h"
 
 namespace windhover {
@@ -39,7 +40,10 @@ Scenario LoadScenario(const std::filesystem::path& file,
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
   }
-  return ReadScenario(root, InputFiles::kMustExist);
+  const Scenario scenario = ReadScenario(root, InputFiles::kMustExist);
+  // What is wrong inside the file of the vibration comes out here, before any process starts.
+  MakeBaseVibration(scenario.vibration, scenario.random_seed, "");
+  return scenario;
 }
 
 Scenario ScenarioFromYaml(const std::string& resolved_yaml, const std::string& name) {

@@ -320,7 +320,8 @@ struct Scenario {
 };
 
 /// Reads a scenario file, follows `extends`, applies `overrides` ("a.b=c"), checks it all.
-/// @throws ConfigError listing every problem, each as file:line:col: key.path: ….
+/// @throws ConfigError listing every problem, each as file:line:col: key.path: …, or else what is
+/// wrong inside the file of the vibration, each as file:line: ….
 Scenario LoadScenario(const std::filesystem::path& file,
                       const std::vector<std::string>& overrides = {});
 

@@ -38,9 +38,9 @@ double Correlation(const Sinusoids& a, const Sinusoids& b) {
   return ab / std::sqrt(aa * bb);
 }
 
-// MIL-STD-810H, method 514.8, category 24: published as 7.7 g rms.
+// V1.7: MIL-STD-810H, method 514.8, category 24: published as 7.7 g rms.
 TEST(PowerSpectrum, AreaOfTheMinimumIntegrityTest) {
-  const PowerSpectrum spectrum({{20, 0.04}, {1000, 0.04}, {2000, 0.01}});
+  const PowerSpectrum spectrum = PowerSpectrum::MilStd810hCategory24();
   // 0.04 · 980 + ∫ 0.04 (1000/f)² df = 39.2 + 20 = 59.2 g².
   EXPECT_NEAR(spectrum.Power_g2(0, 1e9), 59.2, 1e-9);
   EXPECT_NEAR(std::sqrt(spectrum.Power_g2(0, 1e9)), 7.694, 1e-3);
@@ -63,8 +63,9 @@ TEST(PowerSpectrum, FloorHasItsPublishedRms) {
   EXPECT_NEAR(std::sqrt(PowerSpectrum::SmallMultirotorFloor().Power_g2(0, 1e9)), 0.777, 5e-4);
 }
 
-// Line powers are exact, so Rms() is too; a record of 64 s adds what neighbouring lines
-// (0.15 Hz apart and more) do not average out: under 1 %.
+// V1.1 (rms within 1 %) and V1.2 (bands within 10 %): line powers are exact, so Rms() is too; a
+// record of 64 s adds what neighbouring lines (0.15 Hz apart and more) do not average out: under 1
+// %.
 TEST(PowerSpectrum, SynthesisHasTheSpectrumsPower) {
   const PowerSpectrum spectrum = PowerSpectrum::SmallMultirotorFloor();
   const Sinusoids signal = spectrum.Synthesize(0, 512, RandomStream(1, "axis"));
@@ -97,7 +98,7 @@ TEST(PowerSpectrum, LeavesOutWhatIsSlower) {
       PowerSpectrum::SmallMultirotorFloor().Synthesize(501, 64, RandomStream(1, "axis")).empty());
 }
 
-// Two independent sums of 512 lines correlate by about 1 / √(lines that matter) = 0.05.
+// V1.3: two independent sums of 512 lines correlate by about 1 / √(lines that matter) = 0.05.
 TEST(PowerSpectrum, OtherSeedsAndNamesAreIndependent) {
   const PowerSpectrum spectrum = PowerSpectrum::SmallMultirotorFloor();
   const Sinusoids one = spectrum.Synthesize(0, 512, RandomStream(1, "a"));

@@ -86,9 +86,9 @@ TEST(RigMotion, WithoutVibrationIsTheMisalignedRig) {
   EXPECT_EQ(rig.right.camera.cx_px, expected.right.camera.cx_px);
 }
 
-// Fore-aft acceleration of 1 m/s² at resonance: the tips swing by Γ a / (2 ζ ω₁²) = 64.8 um, so
-// each camera by 0.479 mrad, in opposite yaw; the disparity by 3215 · 2 · 0.479 mrad = 3.08 px
-// (physical models: 3.1 px for this bar).
+// V2.4, V2.5: fore-aft acceleration of 1 m/s² at resonance: the tips swing by Γ a / (2 ζ ω₁²)
+// = 64.8 um, so each camera by 0.479 mrad, in opposite yaw; the disparity by 3215 · 2 · 0.479 mrad
+// = 3.08 px (physical models: 3.1 px for this bar).
 TEST(RigMotion, ForeAftResonanceYawsTheCamerasAgainstEachOther) {
   const RigMotion motion = Motion(kFlex, Recorded(ToneFile(3, 117, 1)));
   double largest_yaw_rad = 0, largest_px = 0;
@@ -132,7 +132,7 @@ TEST(RigMotion, LateralAccelerationDoesNotBend) {
                   .left.X_RC.isApprox(Posed(kRig).left.X_RC, 1e-12));
 }
 
-// Common rotation: a rate of 0.1 rad/s at 20 Hz about the body's z (up) turns the rig by
+// V1.5: common rotation: a rate of 0.1 rad/s at 20 Hz about the body's z (up) turns the rig by
 // 0.1 / (2π 20) = 0.796 mrad, to the left when positive, and leaves every range as it is.
 TEST(RigMotion, CommonRotationDoesNotChangeRange) {
   const RigMotion motion = Motion(FlexConfig{}, Recorded(ToneFile(2, 20, 0.1)));
@@ -161,6 +161,7 @@ TEST(RigMotion, LevelScalesEverything) {
   }
 }
 
+// V1.3
 TEST(RigMotion, SameSeedSameBitsInAnyOrderOnAnyThread) {
   const RigMotion one = Motion(kFlex, Psd()), two = Motion(kFlex, Psd());
   std::vector<Eigen::Matrix4d> forward(50), backward(50);
@@ -194,7 +195,7 @@ TEST(RigMotion, DefaultFloorShakesDisparityByAPixel) {
   EXPECT_NEAR(std::sqrt(sum / n), 0.92, 0.15);
 }
 
-TEST(RigMotion, HarmonicEvaluationEqualsTheSumOfSinusoids) {
+TEST(RigMotion, TurnsByTheIntegralOfTheRecordedRate) {
   if (!std::filesystem::exists(kRecordedFlight)) GTEST_SKIP() << "no " << kRecordedFlight;
   const VibrationConfig vibration = Recorded(kRecordedFlight);
   const BaseVibration base = MakeBaseVibration(vibration, 1, "uav0");

@@ -34,7 +34,7 @@ TEST(Sinusoids, IntegrationUndoesDifferentiation) {
   }
 }
 
-// The mean over an exposure against a midpoint rule with 1000 points, whose error is
+// V1.6: the mean over an exposure against a midpoint rule with 1000 points, whose error is
 // (2π f T / 1000)² / 24 of the amplitude: 7e-7 for 117 Hz and 10 ms.
 TEST(Sinusoids, ExposureMeanMatchesQuadrature) {
   for (const double duration_s : {0.0, 0.002, 0.01}) {

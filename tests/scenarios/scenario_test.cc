@@ -81,8 +81,8 @@ TEST(Scenario, ResolvedYamlReadsBackUnchanged) {
 TEST(Scenario, LogHeaderIsTheSameWhereverAndHoweverItRuns) {
   const TemporaryFolder here, there;
   const std::string yaml = kValid + "vibration: {source: psd, file: data/v.csv}\n";
-  here.Write("data/v.csv", "1,2\n");
-  there.Write("data/v.csv", "1,2\n");
+  here.Write("data/v.csv", "20,0.04\n90,0.04\n");
+  there.Write("data/v.csv", "20,0.04\n90,0.04\n");
   const Scenario a = LoadScenario(here.Write("s.yaml", yaml), {"execution.render_processes=3"});
   const Scenario b = LoadScenario(there.Write("t.yaml", yaml));
   // A process of a run reads the copy with absolute names.
@@ -155,6 +155,60 @@ TEST(Scenario, AWrongValueIsReportedOnceNotTwice) {
               ElementsAre(HasSubstr("estimator.methods: must be a list of at least one of")));
   EXPECT_THAT(ErrorsOf(kValid, {"aircraft.0.id=x", "aircraft.1.id=0"}),
               ElementsAre(HasSubstr("--set:1:15: aircraft.0.id: must be a whole number")));
+}
+
+TEST(Scenario, ReportsPhysicsThatCannotBe) {
+  EXPECT_THAT(
+      ErrorsOf(kValid + R"(flex:
+  damping: -0.01
+  camera_mass_kg: -1
+  section: oak
+  frequency_hz: 9000
+vibration:
+  isolator: {damping: -1}
+  rotors: {reference_hz: 0}
+  axis_ratio: [0.3, .nan, 1]
+  preset: violent
+rig: {misalignment: {random: {yaw_sigma_deg: -0.1}}}
+)"),
+      ElementsAre(HasSubstr("s.yaml:6:12: flex.damping: must be a number between 0.0001 and 1"),
+                  HasSubstr("s.yaml:7:19: flex.camera_mass_kg: must be a number between 0 and 10"),
+                  HasSubstr("s.yaml:8:12: flex.section: must be one of cf_tube_16_14, "),
+                  HasSubstr("s.yaml:9:17: flex.frequency_hz: must be a number between 0 and 5000"),
+                  HasSubstr("s.yaml:11:23: vibration.isolator.damping: must be"),
+                  HasSubstr("s.yaml:12:26: vibration.rotors.reference_hz: must be"),
+                  HasSubstr("s.yaml:13:15: vibration.axis_ratio: must be"),
+                  HasSubstr("s.yaml:14:11: vibration.preset: must be one of calm, normal, "),
+                  HasSubstr("s.yaml:15:46: rig.misalignment.random.yaw_sigma_deg: must be")));
+}
+
+TEST(Scenario, ReportsWhatIsWrongInsideTheFileOfTheVibration) {
+  const TemporaryFolder folder;
+  const std::string imu = folder.Write("imu.csv", "0,0,0,0,0,0,9.8\n0.01,0,0,nan,0,0,9.8\n");
+  const std::string psd = folder.Write("psd.csv", "f_hz,g2_per_hz\n20,0.04\n10,0.04\n");
+  EXPECT_THAT(ErrorsOf(kValid, {"vibration.source=recorded", "vibration.file=" + imu}),
+              ElementsAre(HasSubstr("imu.csv:2: column 4: must be a finite number (found 'nan')")));
+  EXPECT_THAT(ErrorsOf(kValid, {"vibration.source=rotors", "vibration.file=" + psd}),
+              ElementsAre(HasSubstr("psd.csv:3: f_hz: must rise from line to line (found 10 after "
+                                    "20)")));
+  EXPECT_THAT(ErrorsOf(kValid, {"vibration.source=psd", "vibration.min_hz=1000"}),
+              ElementsAre("vibration.preset: must reach above vibration.min_hz = 1000"));
+}
+
+TEST(Scenario, ReportsBarsWhoseModesCannotBe) {
+  const std::string custom = "flex: {enabled: true, section: custom, custom: ";
+  EXPECT_THAT(ErrorsOf(kValid + custom + "{EI_forward_Nm2: 1e7}}\n"),
+              ElementsAre(HasSubstr("flex.section: must be such that fore-aft bending has 1 Hz to "
+                                    "5000 Hz (found 2.7")));
+  EXPECT_THAT(ErrorsOf(kValid + custom + "{EI_up_Nm2: 0.01}}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:60: flex.custom.EI_up_Nm2: must be such that "
+                                    "vertical bending has 1 Hz to 5000 Hz (found 0.85")));
+  EXPECT_THAT(ErrorsOf(kValid + "flex: {enabled: true, frequency_hz: 0.5}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:37: flex.frequency_hz: must be such that fore-aft "
+                                    "bending has 1 Hz to 5000 Hz (found 0.5 Hz)")));
+  EXPECT_THAT(ErrorsOf(kValid + "flex: {enabled: true, tip_inertia_kgm2: 1e-7}\n"),
+              ElementsAre(HasSubstr("flex.tip_inertia_kgm2: must be such that torsion has")));
+  EXPECT_THAT(ErrorsOf(kValid + "flex: {enabled: false, frequency_hz: 0.5}\n"), ElementsAre());
 }
 
 TEST(Scenario, TakesFilesOfOverridesFromTheCurrentFolder) {

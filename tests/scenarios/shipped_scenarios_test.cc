@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rig/rig_motion.h"
 #include "scenarios/scenario.h"
 
 namespace windhover {
@@ -37,7 +38,32 @@ TEST(ShippedScenarios, AllPresetsMakeAScenario) {
     EXPECT_NO_THROW(LoadScenario(entry.path(), {"description=x", "aircraft=[{id: 1}]"}));
     ++n;
   }
-  EXPECT_GE(n, 3);
+  EXPECT_GE(n, 5);
+}
+
+Scenario Preset(const std::string& name) {
+  return LoadScenario(kScenarios / "presets" / (name + ".yaml"),
+                      {"description=x", "aircraft=[{id: 1}]"});
+}
+
+// The bar's mode is the blade pass of a P600 that hovers, 2 √(m g / 4 / (C_T ρ)) / D²: within its
+// width, ζ f = 1.1 Hz.
+TEST(ShippedPresets, ResonantIsAtResonance) {
+  const Scenario scenario = Preset("resonant");
+  const BarModes modes = ModesOf(scenario.flex, scenario.rig.calibrated.baseline_m);
+  const double blade_pass_hz = 2 * std::sqrt(3.8 * 9.80665 / 4 / (0.105 * 1.225)) / (0.388 * 0.388);
+  EXPECT_NEAR(modes.forward.frequency_radps / (2 * EIGEN_PI), blade_pass_hz, 0.3);
+  EXPECT_EQ(scenario.vibration.source, VibrationSource::kRotors);
+}
+
+// Table 2.2 of the physical models: 7.7 px of disparity a kelvin; the baseline grows by 9.6 um.
+TEST(ShippedPresets, ThermalYawsByFifteenPixels) {
+  const Scenario scenario = Preset("thermal");
+  const StereoRig rig = scenario.rig.calibrated.ToStereoRig();
+  const RigMotion motion(rig, scenario.rig.misalignment, scenario.flex, scenario.vibration, 1, "x");
+  const Eigen::Vector3d p_RQ_m(0, 0, 1e6);
+  const auto seen = Project(motion.At(3), p_RQ_m).value();
+  EXPECT_NEAR(seen.left_px.x() - seen.right_px.x(), 2 * 7.7, 0.1);
 }
 
 struct Pose {
