@@ -77,7 +77,10 @@ DrivenBar::Tick::Tick(const DrivenBar& driven, const RigDrive& drive)
   for (std::size_t i = 0; i < 6; ++i) held_[i] = UnderRamp(ModeOf(modes_, i), inputs[i], 0);
   if (!drive.bar || modes_.participation == 0) return;
   const BarState steady = At(start_s_).bar;
-  for (std::size_t i = 0; i < 6; ++i) ringing_[i] = (*drive.bar)[i] - steady[i];
+  for (std::size_t i = 0; i < 6; ++i) {
+    ringing_[i] = (*drive.bar)[i] - steady[i];
+    rings_ = rings_ || ringing_[i].x != 0 || ringing_[i].v != 0;
+  }
 }
 
 DrivenBar::Tick::Line DrivenBar::Tick::MakeLine(const DrivenBar& driven, const RigDrive& drive,
@@ -113,8 +116,8 @@ DrivenBar::Tick::Line DrivenBar::Tick::MakeLine(const DrivenBar& driven, const R
 
 DrivenBar::Motion DrivenBar::Tick::At(double t_s) const {
   const double dt_s = t_s - start_s_;
-  Motion motion;
-  for (std::size_t i = 0; i < 6; ++i) {
+  Motion motion{.bar = held_};
+  for (std::size_t i = 0; rings_ && i < 6; ++i) {
     motion.bar[i] = held_[i] + Rung(ModeOf(modes_, i), ringing_[i], dt_s);
   }
   for (const Line& line : lines_) {
@@ -132,8 +135,8 @@ DrivenBar::Motion DrivenBar::Tick::At(double t_s) const {
 
 DrivenBar::Motion DrivenBar::Tick::MeanAt(double t_s, double duration_s) const {
   const double dt_s = t_s - start_s_;
-  Motion motion;
-  for (std::size_t i = 0; i < 6; ++i) {
+  Motion motion{.bar = held_};
+  for (std::size_t i = 0; rings_ && i < 6; ++i) {
     motion.bar[i].x = held_[i].x + MeanRung(ModeOf(modes_, i), ringing_[i], dt_s, duration_s);
   }
   for (const Line& line : lines_) {

@@ -65,6 +65,7 @@ class DrivenBar {
     std::vector<Line> lines_;
     BarState held_;     ///< Under the acceleration, for good.
     BarState ringing_;  ///< What is left at start_s.
+    bool rings_ = false;
   };
 
   /// The bar at `end.start_s`, whose own bar is not looked at: exact for rotors that turn evenly
