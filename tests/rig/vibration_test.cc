@@ -311,6 +311,38 @@ TEST(DrivenBar, TurningSwingsTheTipsApartAndTwistsThemAlike) {
   EXPECT_EQ(state[2].x, state[5].x);
 }
 
+// Far below the modes tips lag behind the turning root: q = -side Γ' α / ω₁², α = -d²(turn about
+// down) / dt². Tones at 12 and 24 Hz: (24 / 117)² = 4 %.
+TEST(DrivenBar, TipsLagBehindTheTurningRoot) {
+  VibrationConfig turning = From(VibrationSource::kRotors);
+  turning.rotors.a_1p_mps2 = turning.rotors.a_2p_mps2 = turning.rotors.a_4p_mps2 = 0;
+  const DrivenBar bar(Flexible(), turning, 0.406, 1, "uav0");
+  const DrivenBar::Tick tick(bar, AllRotorsAt(12));
+  const BarModes modes = ModesOf(Flexible(), 0.406);
+  const double h = 1e-4, w1 = modes.forward.frequency_radps;
+  const auto turn = [&](double t_s) { return tick.At(t_s).turn_rad.y(); };
+  double largest_m = 0, worst_m = 0;
+  for (double t_s = 0; t_s < 1.0 / 12; t_s += 0.004) {
+    const double alpha = -(turn(t_s + h) - 2 * turn(t_s) + turn(t_s - h)) / (h * h);
+    const double expected_m = -modes.angular_participation_m * alpha / (w1 * w1);
+    largest_m = std::max(largest_m, std::abs(expected_m));
+    worst_m = std::max(worst_m, std::abs(tick.At(t_s).bar[3].x - expected_m));
+  }
+  EXPECT_GT(largest_m, 1e-8);
+  EXPECT_LT(worst_m, 0.1 * largest_m);
+}
+
+TEST(RotorTones, PhasesSayHowFarRotorsHaveTurned) {
+  const RigMotion motion = Motion(Flexible(), TonesOnly());
+  RigDrive later = AllRotorsAt(50);
+  later.rotor_phase_rev.fill(0.3);
+  const RigDeflection turned = motion.DeflectionAt(0.004, later);
+  const RigDeflection waited = motion.DeflectionAt(0.004 + 0.3 / 50, AllRotorsAt(50));
+  EXPECT_NE(waited.right.up_m, 0);
+  EXPECT_NEAR(turned.right.up_m, waited.right.up_m, 1e-12);
+  EXPECT_NEAR(turned.left.forward_m, waited.left.forward_m, 1e-12);
+}
+
 // Stationary vibration by turning goes the same way as a rotor's: tips lag behind the root. At
 // 12 Hz, far below the modes, q = -Γ' α / ω₁² with α = 2π 12 · 0.1 rad/s². Asked for in the middle
 // of the record, whose ends do not join.
