@@ -1,12 +1,9 @@
 #include "render/box_detector.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include <fmt/format.h>
-
-#include "common/random/random_stream.h"
 
 namespace windhover {
 namespace {
@@ -40,37 +37,11 @@ double VisibleShare(const target_view_t& view) {
   return (1 - view.occlusion) * (1 - view.truncation);
 }
 
-// Standard normal errors of one quantity in both images.
-struct ErrorPair {
-  double left, right;
-};
-
-ErrorPair DrawErrors(double correlation, RandomStream* stream) {
-  const double common = std::sqrt(std::abs(correlation)),
-               own = std::sqrt(1 - std::abs(correlation));
-  const double shared = stream->Normal(), left = stream->Normal(), right = stream->Normal();
-  return {common * shared + own * left, std::copysign(common, correlation) * shared + own * right};
-}
-
-void AddErrors(const GeometricConfig& config, RandomStream* stream, stereo_box_t* box) {
-  const auto sigma_px = [&](double size_px) {
-    return std::hypot(config.sigma_px, config.sigma_relative * size_px);
-  };
-  const auto add = [&](double image_box_t::*value, double image_box_t::*size) {
-    const ErrorPair error = DrawErrors(config.correlation, stream);
-    const double left_sigma = sigma_px(box->left.*size), right_sigma = sigma_px(box->right.*size);
-    box->left.*value += error.left * left_sigma;
-    box->right.*value += error.right * right_sigma;
-  };
-  // Centres first: their errors scale with the true sizes.
-  add(&image_box_t::x_px, &image_box_t::w_px);
-  add(&image_box_t::y_px, &image_box_t::h_px);
-  add(&image_box_t::w_px, &image_box_t::w_px);
-  add(&image_box_t::h_px, &image_box_t::h_px);
-  for (image_box_t* image_box : {&box->left, &box->right}) {
-    image_box->w_px = std::max(image_box->w_px, 1.0);
-    image_box->h_px = std::max(image_box->h_px, 1.0);
-  }
+void AddErrors(const BoxErrors::OneImage& error, image_box_t* box) {
+  box->x_px += error.x;
+  box->y_px += error.y;
+  box->w_px = std::max(box->w_px + error.w, 1.0);
+  box->h_px = std::max(box->h_px + error.h, 1.0);
 }
 
 }  // namespace
@@ -91,22 +62,24 @@ detection_t DetectVisible(const annotation_t& annotation) {
 
 detection_t DetectGeometric(const annotation_t& annotation, const GeometricConfig& config,
                             std::uint64_t seed, int tick, int width_px, int height_px) {
-  constexpr std::uint64_t kDrawsPerTick = 16;
   detection_t detection = EmptyDetection(annotation, "geometric");
   for (const target_annotation_t& target : annotation.targets) {
     if (!CentreIsInImage(target.left, width_px, height_px) ||
         !CentreIsInImage(target.right, width_px, height_px)) {
       continue;
     }
-    RandomStream stream(
-        seed, fmt::format("uav{}/geometric/target{}", annotation.observer_id, target.target_id));
-    stream.Seek(static_cast<std::uint64_t>(tick + 1) * kDrawsPerTick);  // Rehearsal: tick -1.
-    if (stream.Uniform() < config.miss_rate) continue;
+    const BoxNoise noise(
+        config, seed,
+        fmt::format("uav{}/geometric/target{}", annotation.observer_id, target.target_id));
+    const auto errors = noise.At(tick, {target.left.full.w_px, target.left.full.h_px},
+                                 {target.right.full.w_px, target.right.full.h_px});
+    if (!errors) continue;
     stereo_box_t box{};
     box.left = target.left.full;
     box.right = target.right.full;
     box.score = 1;
-    AddErrors(config, &stream, &box);
+    AddErrors(errors->left, &box.left);
+    AddErrors(errors->right, &box.right);
     detection.boxes.push_back(box);
   }
   Finish(&detection);

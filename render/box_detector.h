@@ -16,10 +16,9 @@ namespace windhover {
 /// share of the target that is visible in the eye that sees less.
 detection_t DetectVisible(const annotation_t& annotation);
 
-/// observe: geometric. The full boxes of every target whose centre is in both images, with noise:
-/// centre and size each get a normal error of sigma_px, and of sigma_relative of the size;
-/// left and right errors are correlated by `correlation`. A share of miss_rate is missed.
-/// Noise is a function of seed, observer, target and tick alone. Occlusion plays no part.
+/// observe: geometric. The full boxes of every target whose centre is in both images, with noise,
+/// that of rig/box_noise.h. It is a function of seed, observer, target and tick alone. Occlusion
+/// plays no part.
 detection_t DetectGeometric(const annotation_t& annotation, const GeometricConfig& config,
                             std::uint64_t seed, int tick, int width_px, int height_px);
 

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "common/config/fields.h"
+#include "rig/box_noise.h"
 #include "rig/flex.h"
 #include "rig/misalignment.h"
 #include "rig/vibration.h"
 #include "scenarios/aircraft_config.h"
+#include "scenarios/dataset_config.h"
 #include "scenarios/flight_config.h"
 #include "scenarios/uwb_config.h"
 
@@ -200,22 +202,6 @@ struct EnvironmentConfig {
   }
 };
 
-/// Noise of the boxes in `observe: geometric`.
-struct GeometricConfig {
-  double sigma_px = 1;
-  double sigma_relative = 0.01;
-  double correlation = 0.5;
-  double miss_rate = 0;
-
-  template <typename Visitor>
-  void Fields(Visitor& v) {
-    v.Field("sigma_px", sigma_px, InRange{0, 100}, "noise of a box's centre and size");
-    v.Field("sigma_relative", sigma_relative, InRange{0, 1}, "the same, per px of box size");
-    v.Field("correlation", correlation, InRange{-1, 1}, "of the left and right noise");
-    v.Field("miss_rate", miss_rate, InRange{0, 1}, "share of frames without a detection");
-  }
-};
-
 enum class ScoreReference { kRange, kDepth, kUwb };
 template <>
 inline constexpr EnumNames<ScoreReference> kEnumNames<ScoreReference>{
@@ -289,6 +275,7 @@ struct Scenario {
   GeometricConfig geometric;
   EstimatorConfig estimator;
   ScoreConfig score;
+  DatasetConfig dataset;
   std::vector<Expectation> expect;
   ExecutionConfig execution;
 
@@ -312,6 +299,7 @@ struct Scenario {
     v.Section("geometric", geometric, "boxes of observe: geometric");
     v.Section("estimator", estimator, "detection and distance estimation");
     v.Section("score", score, "how the run is scored");
+    v.Section("dataset", dataset, "flights that make a data set");
     v.List("expect", expect, "gates: the run passes when all hold");
     v.Section("execution", execution, "how the run is spread over processes");
   }

@@ -1,0 +1,67 @@
+#include "rig/box_noise.h"
+
+#include <cmath>
+#include <utility>
+
+#include "common/random/random_stream.h"
+
+namespace windhover {
+namespace {
+
+// More than a tick draws, so that ticks share no draws.
+constexpr std::uint64_t kDrawsPerTick = 16;
+
+// The rehearsal is tick -1.
+RandomStream StreamAt(std::uint64_t seed, const std::string& name, int tick) {
+  RandomStream stream(seed, name);
+  stream.Seek(static_cast<std::uint64_t>(tick + 1) * kDrawsPerTick);
+  return stream;
+}
+
+// Adds to `value` of both images a correlated pair of normal errors of these deviations.
+void AddPair(double correlation, double left_px, double right_px,
+             double BoxErrors::OneImage::*value, RandomStream* stream, BoxErrors* errors) {
+  const double common = std::sqrt(std::abs(correlation));
+  const double own = std::sqrt(1 - std::abs(correlation));
+  const double shared = stream->Normal(), left = stream->Normal(), right = stream->Normal();
+  errors->left.*value += left_px * (common * shared + own * left);
+  errors->right.*value += right_px * (std::copysign(common, correlation) * shared + own * right);
+}
+
+void AddGrossError(const GeometricConfig& config, const BoxSize& size, RandomStream* stream,
+                   BoxErrors::OneImage* error) {
+  const bool is_gross = stream->Uniform() < config.gross_rate;
+  const double relative = config.gross_sigma * stream->Normal();
+  if (!is_gross) return;
+  error->x += relative * size[0];
+  error->y += relative * size[1];
+}
+
+}  // namespace
+
+BoxNoise::BoxNoise(const GeometricConfig& config, std::uint64_t seed, std::string name)
+    : config_(config), seed_(seed), name_(std::move(name)) {}
+
+std::optional<BoxErrors> BoxNoise::At(int tick, const BoxSize& left, const BoxSize& right) const {
+  RandomStream stream = StreamAt(seed_, name_, tick);
+  if (stream.Uniform() < config_.miss_rate) return std::nullopt;
+  BoxErrors errors;
+  const auto add = [&](double BoxErrors::OneImage::*value, int side, double factor) {
+    const auto sigma_px = [&](const BoxSize& size) {
+      return factor * std::hypot(config_.sigma_px, config_.sigma_relative * size[side]);
+    };
+    AddPair(config_.correlation, sigma_px(left), sigma_px(right), value, &stream, &errors);
+  };
+  add(&BoxErrors::OneImage::x, 0, 1);
+  add(&BoxErrors::OneImage::y, 1, 1);
+  add(&BoxErrors::OneImage::w, 0, config_.size_factor);
+  add(&BoxErrors::OneImage::h, 1, config_.size_factor);
+  if (config_.gross_rate > 0) {
+    RandomStream gross = StreamAt(seed_, name_ + "/gross", tick);
+    AddGrossError(config_, left, &gross, &errors.left);
+    AddGrossError(config_, right, &gross, &errors.right);
+  }
+  return errors;
+}
+
+}  // namespace windhover
