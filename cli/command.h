@@ -23,12 +23,14 @@ enum ExitCode {
   kInterrupted = 130
 };
 
+void AddBudgetCommand(CLI::App& app, CommandAction* chosen);
 void AddRunCommand(CLI::App& app, CommandAction* chosen);
 void AddCheckCommand(CLI::App& app, CommandAction* chosen);
 void AddKeysCommand(CLI::App& app, CommandAction* chosen);
 void AddReplayCommand(CLI::App& app, CommandAction* chosen);
 void AddScoreCommand(CLI::App& app, CommandAction* chosen);
 void AddReportCommand(CLI::App& app, CommandAction* chosen);
+void AddReproduceCommand(CLI::App& app, CommandAction* chosen);
 void AddSnapshotCommand(CLI::App& app, CommandAction* chosen);
 void AddDoctorCommand(CLI::App& app, CommandAction* chosen);
 void AddSpyCommand(CLI::App& app, CommandAction* chosen);

@@ -72,7 +72,7 @@ RunSummary RunInOneProcess(const Scenario& given, const std::filesystem::path& r
   sim_options.realtime = options.realtime;
   sim_options.on_tick = [&](int tick, int n_ticks) {
     if (tick == 0) start = Clock::now();
-    progress.Update(tick + 1, n_ticks);
+    if (!options.quiet) progress.Update(tick + 1, n_ticks);
   };
   Bus bus("memq://");
   SimNode sim(scenario, sim_options, bus);

@@ -24,6 +24,7 @@ struct RunOptions {
   bool realtime = false;
   bool no_report = false;
   bool as_json = false;
+  bool quiet = false;  ///< No progress on stderr.
 };
 
 }  // namespace windhover

@@ -1,6 +1,7 @@
 #include "eval/svg_chart.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -11,25 +12,60 @@ namespace windhover {
 namespace {
 
 constexpr double kWidth = 860, kHeight = 340;
-constexpr double kLeft = 64, kRight = 16, kTop = 40, kBottom = 48;
+constexpr double kLeft = 64, kRight = 16, kBottom = 48;
+constexpr double kLegendTop = 22, kLegendRow = 18;
 constexpr int kLooks = 6;
+
+// What of the report's style a chart in a file of its own needs, in light colours.
+constexpr const char* kFileStyle = R"css(<style>
+svg { background: #f5f7fa; } text { fill: #5b6776; font: 12.5px "DejaVu Sans", sans-serif; }
+.grid { stroke: #d9dfe7; stroke-width: 1; }
+.line { fill: none; stroke-width: 2; stroke: currentColor; }
+.mark { fill: currentColor; stroke: currentColor; stroke-width: 1.4; }
+.mark circle, .mark rect, .mark path { stroke: none; }
+.s0 { color: #0072b2; } .s1 { color: #d55e00; } .s2 { color: #009e73; }
+.s3 { color: #aa4499; } .s4 { color: #b8860b; } .s5 { color: #3a8fc2; }
+.line.s1 { stroke-dasharray: 7 4; } .line.s2 { stroke-dasharray: 2 4; }
+.line.s3 { stroke-dasharray: 10 4 2 4; } .line.s4 { stroke-dasharray: 14 5; }
+.truth { color: #1b2430; } .line.truth { stroke-width: 2.4; }
+</style>
+)css";
 
 /// From data to the drawing's coordinates. Both axes begin at 0.
 struct Axes {
   double x_min, x_max, y_max;
+  double top;  ///< Of the plot: below the legend.
 
   double X(double x) const {
     return kLeft + (x - x_min) / (x_max - x_min) * (kWidth - kLeft - kRight);
   }
-  double Y(double y) const { return kHeight - kBottom - y / y_max * (kHeight - kTop - kBottom); }
+  double Y(double y) const { return kHeight - kBottom - y / y_max * (kHeight - top - kBottom); }
 };
 
 std::string ClassOf(const ChartSeries& series) {
   return series.look < 0 ? "truth" : fmt::format("s{}", series.look % kLooks);
 }
 
+/// Where each entry of the legend begins: as many rows as they need.
+std::vector<std::array<double, 2>> LegendPlaces(const Chart& chart) {
+  std::vector<std::array<double, 2>> places;
+  double x = kLeft, y = kLegendTop;
+  for (const ChartSeries& series : chart.series) {
+    const double width =
+        series.name.empty() ? 0 : 28 + 7.5 * static_cast<double>(series.name.size()) + 24;
+    if (x > kLeft && x + width > kWidth - kRight) {
+      x = kLeft;
+      y += kLegendRow;
+    }
+    places.push_back({x, y});
+    x += width;
+  }
+  return places;
+}
+
 Axes FitAxes(const Chart& chart) {
-  Axes axes{0, 0, chart.y_max};
+  const auto places = LegendPlaces(chart);
+  Axes axes{0, 0, chart.y_max, kLegendRow + (places.empty() ? kLegendTop : places.back()[1])};
   for (const ChartSeries& series : chart.series) {
     for (const ChartPoint& p : series.points) {
       axes.x_max = std::max(axes.x_max, p.x);
@@ -49,7 +85,7 @@ std::string DrawAxes(const Chart& chart, const Axes& axes) {
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>"
         "<text x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4:g}</text>\n",
-        axes.X(x), kTop, kHeight - kBottom, kHeight - kBottom + 16, x);
+        axes.X(x), axes.top, kHeight - kBottom, kHeight - kBottom + 16, x);
   }
   for (const double y : NiceTicks(axes.y_max)) {
     svg += fmt::format(
@@ -61,7 +97,7 @@ std::string DrawAxes(const Chart& chart, const Axes& axes) {
                      (kLeft + kWidth - kRight) / 2, kHeight - 10, XmlEscaped(chart.x_label));
   svg += fmt::format(
       "<text transform=\"translate(16,{:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      (kTop + kHeight - kBottom) / 2, XmlEscaped(chart.y_label));
+      (axes.top + kHeight - kBottom) / 2, XmlEscaped(chart.y_label));
   return svg;
 }
 
@@ -118,17 +154,20 @@ std::string DrawPoints(const ChartSeries& series, const Axes& axes) {
 
 std::string DrawLegend(const Chart& chart) {
   std::string svg;
-  double x = kLeft;
-  for (const ChartSeries& series : chart.series) {
+  const auto places = LegendPlaces(chart);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const ChartSeries& series = chart.series[i];
+    const auto& [x, y] = places[i];
+    if (series.name.empty()) continue;
     if (series.style != ChartSeries::Style::kPoints) {
-      svg += fmt::format("<path class=\"line {}\" d=\"M{} 22h22\"/>", ClassOf(series), x);
+      svg += fmt::format("<path class=\"line {}\" d=\"M{} {}h22\"/>", ClassOf(series), x, y);
     }
     if (series.style != ChartSeries::Style::kLine) {
       svg += fmt::format("<g class=\"mark {}\">{}</g>", ClassOf(series),
-                         Marker(series.look, x + 11, 22));
+                         Marker(series.look, x + 11, y));
     }
-    svg += fmt::format("<text x=\"{}\" y=\"26\">{}</text>\n", x + 28, XmlEscaped(series.name));
-    x += 28 + 7.5 * static_cast<double>(series.name.size()) + 24;
+    svg +=
+        fmt::format("<text x=\"{}\" y=\"{}\">{}</text>\n", x + 28, y + 4, XmlEscaped(series.name));
   }
   return svg;
 }
@@ -141,7 +180,7 @@ std::string DrawClippedNote(const Chart& chart, const Axes& axes) {
   }
   if (n_clipped == 0) return "";
   return fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{} points lie above</text>\n",
-                     kWidth - kRight, kTop - 6, n_clipped);
+                     kWidth - kRight, axes.top - 6, n_clipped);
 }
 
 }  // namespace
@@ -158,18 +197,40 @@ std::vector<double> NiceTicks(double max) {
   return ticks;
 }
 
-std::string ChartSvg(const Chart& chart) {
+namespace {
+
+std::string DrawPlot(const Chart& chart) {
   const Axes axes = FitAxes(chart);
-  std::string svg = fmt::format(
-      "<figure><figcaption>{0}</figcaption>"
-      "<svg class=\"chart\" viewBox=\"0 0 {1} {2}\" role=\"img\" aria-label=\"{0}\">\n",
-      XmlEscaped(chart.title), kWidth, kHeight);
-  svg += DrawAxes(chart, axes);
+  std::string svg = DrawAxes(chart, axes);
   for (const ChartSeries& series : chart.series) {
     if (series.style != ChartSeries::Style::kPoints) svg += DrawLine(series, axes);
     if (series.style != ChartSeries::Style::kLine) svg += DrawPoints(series, axes);
   }
-  return svg + DrawLegend(chart) + DrawClippedNote(chart, axes) + "</svg></figure>\n";
+  return svg + DrawLegend(chart) + DrawClippedNote(chart, axes);
+}
+
+}  // namespace
+
+std::string ChartSvg(const Chart& chart) {
+  return fmt::format(
+             "<figure><figcaption>{0}</figcaption>"
+             "<svg class=\"chart\" viewBox=\"0 0 {1} {2}\" role=\"img\" aria-label=\"{0}\">\n",
+             XmlEscaped(chart.title), kWidth, kHeight) +
+         DrawPlot(chart) + "</svg></figure>\n";
+}
+
+std::string ChartFileSvg(const Chart& chart) {
+  constexpr double kTitle = 26;
+  return fmt::format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{1}\" height=\"{2}\" "
+             "viewBox=\"0 {3} {1} {2}\" role=\"img\">\n<title>{0}</title>\n",
+             XmlEscaped(chart.title), kWidth, kHeight + kTitle, -kTitle) +
+         kFileStyle +
+         fmt::format(
+             "<text x=\"{}\" y=\"-6\" style=\"font-size: 15px; font-weight: bold\">{}"
+             "</text>\n",
+             kLeft, XmlEscaped(chart.title)) +
+         DrawPlot(chart) + "</svg>\n";
 }
 
 }  // namespace windhover

@@ -14,7 +14,7 @@ struct ChartPoint {
 /// needs to tell colours apart.
 struct ChartSeries {
   enum class Style { kLine, kPoints, kLineWithPoints };
-  std::string name;
+  std::string name;  ///< Empty: not in the legend.
   Style style = Style::kLine;
   int look = 0;  ///< Colour and marker; series of one method look alike in every chart. -1: truth.
   std::vector<ChartPoint> points;
@@ -28,6 +28,9 @@ struct Chart {
 
 /// The chart as an inline <svg> with a legend; colours are CSS variables of the report's style.
 std::string ChartSvg(const Chart& chart);
+
+/// The chart as the content of an .svg file that needs nothing else, in light colours.
+std::string ChartFileSvg(const Chart& chart);
 
 /// Round numbers that divide [0, max], a handful of them.
 std::vector<double> NiceTicks(double max);

@@ -15,8 +15,8 @@ const std::string kWindhover = std::string(WINDHOVER_BIN_DIR) + "/windhover";
 const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/";
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command :
-       {"run", "check", "keys", "replay", "score", "report", "snapshot", "doctor", "spy"}) {
+  for (const char* command : {"run", "budget", "check", "keys", "replay", "reproduce", "score",
+                              "report", "snapshot", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
@@ -34,6 +34,9 @@ TEST(Windhover, WrongUsageIsExitCode2) {
            {"run", kScenarios + "ideal_geometric.yaml", "--observe", "x-ray"},
            {"run", kScenarios + "ideal_geometric.yaml", "--bus", "canbus"},
            {"keys", "no.such.section"},
+           {"budget", "no/such.yaml"},
+           {"budget", kScenarios + "uavde_12mm.yaml", "--distances", "-1"},
+           {"reproduce", "lens", "--out", "x"},
            {"replay", "no/such/run"}}) {
     std::vector<std::string> words = {kWindhover};
     words.insert(words.end(), arguments.begin(), arguments.end());

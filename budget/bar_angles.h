@@ -1,0 +1,21 @@
+#pragma once
+
+#include "scenarios/scenario.h"
+
+namespace windhover {
+
+/// Rotors turn at the reference speed, each up to this share faster or slower, evenly spread: they
+/// differ by mixing and where the mass lies.
+inline constexpr double kRotorSpread = 0.03;
+
+/// Root mean square of the angles by which a bending bar turns its cameras against each other.
+struct BarAngles {
+  double yaw_rad = 0, roll_rad = 0;
+};
+
+/// Of stationary vibration, in closed form: the power of the vibration's lines through the first
+/// bending mode, 3 / L of slope per deflection of both tips.
+/// @throws ConfigError if a vibration file cannot be used.
+BarAngles BarAnglesByVibration(const Scenario& scenario);
+
+}  // namespace windhover
