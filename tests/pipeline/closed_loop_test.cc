@@ -2,6 +2,7 @@
 // changes what its rig sees.
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -11,9 +12,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "common/bus/channels.h"
 #include "common/bus/run_log.h"
 #include "common/bus/truth_channels.h"
 #include "estimator/estimator_node.h"
+#include "lcmtypes/annotation_t.hpp"
+#include "lcmtypes/uwb_t.hpp"
 #include "lcmtypes/world_truth_t.hpp"
 #include "render/render_node.h"
 #include "sim/sim_node.h"
@@ -127,6 +131,50 @@ TEST_F(ClosedLoopTest, FollowsTheLeaderAndSettlesAtItsDistance) {
   EXPECT_LT(*std::max_element(separations_m.begin(), separations_m.end()), 15);
   EXPECT_GT(*std::min_element(separations_m.begin(), separations_m.end()), 6);
   EXPECT_NEAR(separations_m.back(), 10.15, 0.1);
+}
+
+// Forces, motors and a side wind in the loop: the follower leans and lags, but keeps its leader.
+TEST_F(ClosedLoopTest, ARigidBodyFollowsTheLeaderInWind) {
+  Scenario scenario = Load();
+  for (Aircraft& aircraft : scenario.aircraft) aircraft.dynamics = Dynamics::kRigidBody;
+  scenario.wind.mean_mps = {0, 4, 0};
+  scenario.wind.turbulence = Turbulence::kLight;
+  const std::string log = Run(scenario);
+  const std::vector<double> separations_m = Separations_m();
+  EXPECT_LT(*std::max_element(separations_m.begin(), separations_m.end()), 15);
+  EXPECT_GT(*std::min_element(separations_m.begin(), separations_m.end()), 6);
+  EXPECT_NEAR(separations_m.back(), 10.15, 0.5);
+  EXPECT_TRUE(log == Run(scenario));
+}
+
+// Three distances of the same two aircraft, 12 m apart: rig to centre, along the optical axis, and
+// between antennas on a mast of 3 m and under a belly of 2 m.
+TEST_F(ClosedLoopTest, RangeDepthAndUwbAreThreeNumbers) {
+  Scenario scenario = Load();
+  scenario.duration_s = 0.2;
+  scenario.uwb.sigma_m = 0;
+  scenario.aircraft[0].self.controller = Controller::kHold;
+  scenario.aircraft[0].uwb_antenna_m = {0, 0, 3};
+  scenario.aircraft[1].self.controller = Controller::kHold;
+  scenario.aircraft[1].position_m = {12, 0.5, 20};
+  scenario.aircraft[1].uwb_antenna_m = {0, 0, -2};
+  Run(scenario);
+  RunLogReader reader(Log());
+  int n = 0;
+  while (const auto event = reader.Next()) {
+    if (event->channel == channel::Uwb(0)) {
+      EXPECT_NEAR(reader.DecodeEvent<uwb_t>(*event).ranges.at(0).range_m, std::hypot(12, 0.5, 5),
+                  1e-12);
+      ++n;
+    } else if (event->channel == channel::Annotation(0)) {
+      const auto annotation = reader.DecodeEvent<annotation_t>(*event);
+      ASSERT_EQ(annotation.targets.size(), 1u);
+      EXPECT_NEAR(annotation.targets[0].range_m, std::hypot(12 - 0.15, 0.5), 1e-9);
+      EXPECT_NEAR(annotation.targets[0].depth_m, 12 - 0.15, 1e-9);
+      ++n;
+    }
+  }
+  EXPECT_EQ(n, 4);
 }
 
 TEST_F(ClosedLoopTest, TheSameBytesOnAnySpreadOfProcesses) {
