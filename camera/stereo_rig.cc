@@ -40,7 +40,7 @@ std::optional<TriangulatedPoint> Triangulate(const StereoRig& rig, const Vector2
   point.p_RT_m = point.depth_m * ((left + right) / 2).homogeneous();
   point.range_m = point.p_RT_m.norm();
   const double depth_sigma_m =
-      point.depth_m * point.depth_m / (rig.left.fx_px * rig.baseline_m) * disparity_sigma_px;
+      point.depth_m * point.depth_m / (rig.left.fx_px() * rig.baseline_m) * disparity_sigma_px;
   point.range_sigma_m = depth_sigma_m * point.range_m / point.depth_m;
   return point;
 }

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "camera/pinhole_radtan.h"
+#include "camera/any_camera.h"
 
 namespace windhover {
 
@@ -12,14 +12,14 @@ namespace windhover {
 /// baseline. The rig frame R has its origin in the middle of the baseline and a camera's axes
 /// (right, down, forward).
 struct StereoRig {
-  PinholeRadtan left, right;
+  AnyCamera left, right;
   double baseline_m;  ///< > 0.
   int width_px, height_px;
 };
 
 /// A camera and where it is: X_RC maps camera coordinates to the rig frame.
 struct PosedCamera {
-  PinholeRadtan camera;
+  AnyCamera camera;
   Eigen::Isometry3d X_RC;
 
   /// Returns the pixel that sees a point of the rig frame, or nothing if none does.

@@ -90,7 +90,7 @@ std::vector<Tracker::Sighting> EstimatorNode::Sightings(const Observer& observer
     // A box without a ray is no distance either; any fixed direction will do.
     const auto ray = rig_.left.Unproject({box.left.x_px, box.left.y_px});
     sightings.push_back(
-        {R_WR * ray.value_or(Eigen::Vector3d::UnitZ()), box.left.w_px / rig_.left.fx_px});
+        {R_WR * ray.value_or(Eigen::Vector3d::UnitZ()), box.left.w_px / rig_.left.fx_px()});
   }
   return sightings;
 }

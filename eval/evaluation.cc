@@ -42,7 +42,7 @@ std::optional<double> Disparity_px(const StereoRig& rig, const stereo_box_t& box
   const auto left = rig.left.Unproject({box.left.x_px, box.left.y_px});
   const auto right = rig.right.Unproject({box.right.x_px, box.right.y_px});
   if (!left || !right || left->z() <= 0 || right->z() <= 0) return std::nullopt;
-  return rig.left.fx_px * (left->x() / left->z() - right->x() / right->z());
+  return rig.left.fx_px() * (left->x() / left->z() - right->x() / right->z());
 }
 
 std::optional<double> MedianDisparityOffset_px(const RunRecord& run, const TargetFrames& targets) {
@@ -52,7 +52,7 @@ std::optional<double> MedianDisparityOffset_px(const RunRecord& run, const Targe
     if (!target.box || !(target.truth.depth_m > 0)) continue;
     const auto measured_px = Disparity_px(rig, *target.box);
     if (!measured_px) continue;
-    offsets_px.push_back(*measured_px - rig.left.fx_px * rig.baseline_m / target.truth.depth_m);
+    offsets_px.push_back(*measured_px - rig.left.fx_px() * rig.baseline_m / target.truth.depth_m);
   }
   return Median(std::move(offsets_px));
 }

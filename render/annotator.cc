@@ -27,8 +27,8 @@ image_box_t CutAtBorders(const image_box_t& box, int width_px, int height_px) {
 }  // namespace
 
 target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B,
-                               const Eigen::Isometry3d& X_CB, const PinholeRadtan& camera,
-                               int width_px, int height_px) {
+                               const Eigen::Isometry3d& X_CB, const AnyCamera& camera, int width_px,
+                               int height_px) {
   target_view_t view{};
   const auto centre_px = camera.Project(X_CB.translation());
   if (!centre_px) return view;

@@ -15,8 +15,8 @@ namespace windhover {
 /// the projections of `outline_B`), centre and truncation. `visible` is the full box cut at the
 /// image's borders, `occlusion` 0: as if nothing else were there.
 target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B,
-                               const Eigen::Isometry3d& X_CB, const PinholeRadtan& camera,
-                               int width_px, int height_px);
+                               const Eigen::Isometry3d& X_CB, const AnyCamera& camera, int width_px,
+                               int height_px);
 
 /// Replaces `visible` and `occlusion` of a view by what was drawn: the box around the samples of
 /// `layers[i]` that no layer after it (nearer) covers opaquely, and the share of those covered.

@@ -10,8 +10,9 @@ namespace windhover {
 namespace {
 
 // The ray of a pixel, or of the nearest one towards the principal point that has a ray.
-Eigen::Vector3d RayOf(const PinholeRadtan& camera, const Eigen::Vector2d& q_px) {
-  const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
+Eigen::Vector3d RayOf(const AnyCamera& camera, const Eigen::Vector2d& q_px) {
+  const Intrinsics intrinsics = camera.intrinsics();
+  const Eigen::Vector2d centre(intrinsics.cx_px, intrinsics.cy_px);
   for (double share = 1; share > 0.01; share -= 0.02) {
     if (const auto ray = camera.Unproject(centre + share * (q_px - centre))) return *ray;
   }
@@ -24,7 +25,7 @@ std::int32_t ToFixed(double texels) {
 
 }  // namespace
 
-RayGrid::RayGrid(const PinholeRadtan& lens, int width, int height)
+RayGrid::RayGrid(const AnyCamera& lens, int width, int height)
     : width_px(width),
       height_px(height),
       columns((width + kRayCell_px - 1) / kRayCell_px + 1),

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "camera/pinhole_radtan.h"
+#include "camera/any_camera.h"
 #include "render/radiance_map.h"
 
 namespace windhover {
@@ -16,11 +16,11 @@ inline constexpr int kRayCell_px = 16;
 /// The rays of one camera on a grid of its pixels, in C. They depend on the lens alone.
 class RayGrid {
  public:
-  RayGrid(const PinholeRadtan& camera, int width_px, int height_px);
+  RayGrid(const AnyCamera& camera, int width_px, int height_px);
 
   int width_px, height_px;
   int columns, rows;  ///< Of nodes: pixel (16 i, 16 j), beyond the last pixel.
-  PinholeRadtan camera;
+  AnyCamera camera;
   std::vector<Eigen::Vector3d> rays_C;  ///< Unit, row by row.
 };
 

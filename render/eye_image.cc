@@ -56,13 +56,13 @@ void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand&
   }
 }
 
-void ComposeRows(std::span<const TargetLayer> layers, const Sensor& sensor, const NoiseKey& key,
+void ComposeRows(std::span<const TargetLayer> layers, const Sensor& sensor, const Shot& shot,
                  const RowBand& band, std::uint16_t* linear, RgbImage* image) {
   const int count = image->width_px * 3;
   for (int y = band.y0; y < band.y1; ++y) {
     std::uint16_t* row = linear + static_cast<std::ptrdiff_t>(y) * count;
     for (const TargetLayer& layer : layers) BlendRow(layer, y, row);
-    sensor.AddNoise(key, y, count, row);
+    sensor.Expose(shot, y, count, row);
     sensor.Transfer(row, count, image->Row(y));
   }
 }

@@ -32,7 +32,7 @@ void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand&
 ///
 /// Background and coverage are averaged over the exposure apart from each other, which is exact
 /// where either is constant.
-void ComposeRows(std::span<const TargetLayer> layers, const Sensor& sensor, const NoiseKey& key,
+void ComposeRows(std::span<const TargetLayer> layers, const Sensor& sensor, const Shot& shot,
                  const RowBand& band, std::uint16_t* linear, RgbImage* image);
 
 }  // namespace windhover

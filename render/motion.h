@@ -49,7 +49,7 @@ ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& wor
 
 /// Both cameras of an observer's true rig in W.
 struct WorldCameras {
-  PinholeRadtan left, right;
+  AnyCamera left, right;
   Eigen::Isometry3d X_WL, X_WR;
 };
 

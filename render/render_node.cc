@@ -14,22 +14,22 @@
 namespace windhover {
 namespace {
 
-void SetDigest(const RgbImage& image, std::int64_t (&digest)[2]) {
-  const XXH128_hash_t hash = XXH3_128bits(image.pixels.data(), image.pixels.size());
+void SetDigest(const image_t& image, std::int64_t (&digest)[2]) {
+  const XXH128_hash_t hash = XXH3_128bits(image.data.data(), image.data.size());
   digest[0] = static_cast<std::int64_t>(hash.high64);
   digest[1] = static_cast<std::int64_t>(hash.low64);
 }
 
-frame_digest_t DigestOf(const RenderedPair& pair, int tick) {
+frame_digest_t DigestOf(const stereo_frame_t& frame) {
   frame_digest_t digest{};
-  digest.utime = pair.annotation.utime;
-  digest.tick = tick;
-  digest.observer_id = pair.annotation.observer_id;
-  digest.width = pair.left.width_px;
-  digest.height = pair.left.height_px;
-  digest.pixelformat = image_t::PIXEL_FORMAT_RGB;
-  SetDigest(pair.left, digest.left_xxh3);
-  SetDigest(pair.right, digest.right_xxh3);
+  digest.utime = frame.utime;
+  digest.tick = frame.tick;
+  digest.observer_id = frame.observer_id;
+  digest.width = frame.left.width;
+  digest.height = frame.left.height;
+  digest.pixelformat = frame.left.pixelformat;
+  SetDigest(frame.left, digest.left_xxh3);
+  SetDigest(frame.right, digest.right_xxh3);
   return digest;
 }
 
@@ -82,18 +82,19 @@ void RenderNode::OnTick(int tick) {
 void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
   key_frames_.Keep(pair, tick);
   const int id = pair.annotation.observer_id;
-  client_.Publish(channel::FrameDigest(id), DigestOf(pair, tick));
-  client_.Publish(channel::Annotation(id), pair.annotation);
-  if (scenario_.observe == Observe::kAnnotated) {
-    client_.Publish(channel::Detection(id), DetectVisible(pair.annotation));
-  }
   stereo_frame_t frame{};
   frame.utime = pair.annotation.utime;
   frame.tick = tick;
   frame.observer_id = id;
   frame.exposure_s = scenario_.exposure.duration_ms * 1e-3;
-  frame.left = MessageFromImage(std::move(pair.left), frame.utime);
-  frame.right = MessageFromImage(std::move(pair.right), frame.utime);
+  const FrameFormat format = FrameFormatOf(scenario_.sensor);
+  frame.left = EncodeFrame(std::move(pair.left), frame.utime, format);
+  frame.right = EncodeFrame(std::move(pair.right), frame.utime, format);
+  client_.Publish(channel::FrameDigest(id), DigestOf(frame));
+  client_.Publish(channel::Annotation(id), pair.annotation);
+  if (scenario_.observe == Observe::kAnnotated) {
+    client_.Publish(channel::Detection(id), DetectVisible(pair.annotation));
+  }
   client_.Publish(channel::Stereo(id), frame);
   if (preview_) {
     client_.Publish(channel::ImageLeft(id), frame.left);

@@ -44,7 +44,8 @@ SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& o
     const CalibratedRig& rig = scenario.rig.calibrated;
     observers_.push_back(
         {position, ids_[position], rig.X_BR(),
-         RigMotion(rig.ToStereoRig(), scenario.rig.misalignment, scenario.flex, scenario.vibration,
+         RigMotion(WithOptics(rig.ToStereoRig(), scenario.optics, rig.focal_mm * 1e-3),
+                   scenario.rig.misalignment, scenario.flex, scenario.vibration,
                    scenario.random_seed, fmt::format("uav{}", ids_[position]))});
   }
 }

@@ -1,6 +1,7 @@
 #include "render/sensor.h"
 
 #include <cmath>
+#include <string_view>
 
 #include "common/image/srgb.h"
 #include "common/random/random_stream.h"
@@ -44,35 +45,103 @@ __attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void AddNois
   }
 }
 
+// White is as bright as it gets.
+__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void Scale(
+    float factor, int count, std::uint16_t* linear) {
+  for (int i = 0; i < count; ++i) {
+    const float light = static_cast<float>(static_cast<std::int32_t>(linear[i])) * factor + 0.5f;
+    linear[i] =
+        static_cast<std::uint16_t>(static_cast<std::int32_t>(light < kWhite ? light : kWhite));
+  }
+}
+
+// Bytes, 0..1, of linear light, 0..1.
+double Transferred(TransferCurve curve, double light) {
+  switch (curve) {
+    case TransferCurve::kSrgb:
+      return SrgbFromLinear(light);
+    case TransferCurve::kGamma22:
+      return std::pow(light, 1 / 2.2);
+    case TransferCurve::kLinear:
+      break;
+  }
+  return light;
+}
+
+double Untransferred(TransferCurve curve, double value) {
+  switch (curve) {
+    case TransferCurve::kSrgb:
+      return LinearFromSrgb(value);
+    case TransferCurve::kGamma22:
+      return std::pow(value, 2.2);
+    case TransferCurve::kLinear:
+      break;
+  }
+  return value;
+}
+
+// Differs between cameras, and between images of a camera where `tick` does.
+std::uint64_t RowKey(std::string_view name, const NoiseKey& key, int tick, int row) {
+  RandomStream stream(key.seed, name);
+  stream.Seek((static_cast<std::uint64_t>(static_cast<std::uint32_t>(tick)) << 32) ^
+              (static_cast<std::uint64_t>(key.aircraft_id) << 18) ^
+              (static_cast<std::uint64_t>(key.eye) << 17) ^ static_cast<std::uint64_t>(row));
+  return stream();
+}
+
 }  // namespace
 
+FrameFormat FrameFormatOf(const SensorConfig& config) {
+  return {.is_bayer = config.bayer == BayerPattern::kRggb, .jpeg_quality = config.jpeg_quality};
+}
+
 Sensor::Sensor(const SensorConfig& config)
-    : noise_(config.noise),
+    : model_(config.model),
+      emva_(config),
+      noise_(config.noise),
       variance_per_light_(static_cast<float>(kWhite / config.full_well_e)),
       read_variance_(
           static_cast<float>(std::pow(kWhite / config.full_well_e * config.read_noise_e, 2))) {
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const double light =
         std::min(1.0, ((static_cast<double>(i) + 0.5) * (1 << kTableShift)) / kWhite);
-    table_[i] = static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(light)));
+    table_[i] = static_cast<std::uint8_t>(std::lround(255 * Transferred(config.transfer, light)));
   }
   table_[0] = 0;
+  for (std::size_t i = 0; i < light_of_byte_.size(); ++i) {
+    const double light = Untransferred(config.transfer, static_cast<double>(i) / 255);
+    light_of_byte_[i] = static_cast<std::uint32_t>(std::lround(light * kWhite));
+  }
 }
 
-void Sensor::AddNoise(const NoiseKey& key, int row, int count, std::uint16_t* linear) const {
+void Sensor::Expose(const Shot& shot, int row, int count, std::uint16_t* linear) const {
+  if (shot.brightness != 1) Scale(static_cast<float>(shot.brightness), count, linear);
+  if (model_ == SensorModel::kEmva1288) {
+    const SensorRowKeys keys{.frame = RowKey("render/sensor", shot.key, shot.key.tick, row),
+                             .pattern = RowKey("render/sensor/pattern", shot.key, 0, row)};
+    emva_.Expose(keys, shot.exposure_s, shot.gain, count, linear);
+    return;
+  }
+  const auto gain = static_cast<float>(shot.gain);
+  if (gain != 1) Scale(gain, count, linear);
   if (!noise_) return;
-  RandomStream stream(key.seed, "render/sensor");
-  stream.Seek((static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.tick)) << 32) ^
-              (static_cast<std::uint64_t>(key.aircraft_id) << 18) ^
-              (static_cast<std::uint64_t>(key.eye) << 17) ^ static_cast<std::uint64_t>(row));
-  const std::uint64_t bits = stream();
+  const std::uint64_t bits = RowKey("render/sensor", shot.key, shot.key.tick, row);
   AddNoiseToRow({static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32),
-                 variance_per_light_, read_variance_},
+                 variance_per_light_ * gain, read_variance_ * gain * gain},
                 count, linear);
 }
 
-void Sensor::Transfer(const std::uint16_t* linear, int count, std::uint8_t* srgb) const {
-  for (int i = 0; i < count; ++i) srgb[i] = table_[linear[i] >> kTableShift];
+void Sensor::Transfer(const std::uint16_t* linear, int count, std::uint8_t* bytes) const {
+  for (int i = 0; i < count; ++i) bytes[i] = table_[linear[i] >> kTableShift];
+}
+
+double Sensor::MeanLight(const RgbImage& image) const {
+  constexpr std::size_t kStep = 7;  // Every seventh byte, of all three colours in turn.
+  std::uint64_t sum = 0, n = 0;
+  for (std::size_t i = 0; i < image.pixels.size(); i += kStep, ++n) {
+    sum += light_of_byte_[image.pixels[i]];
+  }
+  return n == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(n) / kWhite;
 }
 
 }  // namespace windhover

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenarios/scenario.h"
+#include "common/image/frame_encoding.h"
+#include "render/emva_sensor.h"
+#include "scenarios/sensor_config.h"
 
 namespace windhover {
 
@@ -16,26 +18,45 @@ struct NoiseKey {
   int tick;
 };
 
-/// From light to bytes: shot and read noise in linear light, then the sRGB transfer curve.
+/// How `config`'s cameras hand their frames over.
+FrameFormat FrameFormatOf(const SensorConfig& config);
+
+/// How one image is taken.
+struct Shot {
+  NoiseKey key;
+  double exposure_s;
+  double brightness = 1;  ///< Light collected, relative to an exposure of nominal duration.
+  double gain = 1;        ///< Amplification of what was collected.
+};
+
+/// From light to bytes: noise in linear light, then the transfer curve.
 ///
-/// White is a full well of N electrons; e electrons have a variance of e + read², drawn from a
-/// sum of eight uniform bytes (kurtosis -0.15, never beyond 4.9 sigma). Source: EMVA Standard 1288
-/// release 4.0, linear camera model. Noise is a function of key, row and column alone.
+/// Model fast: white is a full well of N electrons; e electrons have a variance of e + read²,
+/// drawn from a sum of eight uniform bytes (kurtosis -0.15, never beyond 4.9 sigma). Source: EMVA
+/// Standard 1288 release 4.0, linear camera model, of which EmvaSensor has all. Noise is a function
+/// of key, row and column alone.
 class Sensor {
  public:
   explicit Sensor(const SensorConfig& config);
 
-  /// Adds noise to `count` values of row `row` in place, within 0 to 65535 (white).
-  void AddNoise(const NoiseKey& key, int row, int count, std::uint16_t* linear) const;
+  /// Turns `count` values of light of row `row` into what the sensor makes of it, in place, within
+  /// 0 to 65535 (white).
+  void Expose(const Shot& shot, int row, int count, std::uint16_t* linear) const;
 
-  /// sRGB bytes of `count` linear values.
-  void Transfer(const std::uint16_t* linear, int count, std::uint8_t* srgb) const;
+  /// Bytes of `count` values by the transfer curve.
+  void Transfer(const std::uint16_t* linear, int count, std::uint8_t* bytes) const;
+
+  /// Mean linear light of bytes, 1 is white: what an automatic exposure goes by.
+  double MeanLight(const RgbImage& image) const;
 
  private:
+  SensorModel model_;
+  EmvaSensor emva_;
   bool noise_;
   float variance_per_light_;  ///< Shot noise: variance per unit of light, both of 1/65535.
   float read_variance_;
   std::array<std::uint8_t, 8192> table_;
+  std::array<std::uint32_t, 256> light_of_byte_;  ///< 65535 is white.
 };
 
 }  // namespace windhover

@@ -79,8 +79,9 @@ void WriteSnapshot(const Scenario& scenario, const world_truth_t& world, int thr
       static_cast<int>(std::lround(SecondsFromUtime(world.utime) * scenario.frame_rate_hz));
   const std::vector<RenderedPair> pairs = renderer.Render(world, tick);
   std::filesystem::create_directories(out);
-  WriteImage(pairs[0].left, out / "left.png");
-  WriteImage(pairs[0].right, out / "right.png");
+  const FrameFormat format = FrameFormatOf(scenario.sensor);
+  WriteImage(AsReceived(pairs[0].left, format), out / "left.png");
+  WriteImage(AsReceived(pairs[0].right, format), out / "right.png");
   std::ofstream labels(out / "labels.json");
   labels << JsonFrom(pairs[0].annotation).dump(2) << '\n';
   labels.close();

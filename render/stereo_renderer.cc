@@ -27,7 +27,7 @@ struct StereoRenderer::Eye {
   int index = 0;  ///< 0 left, 1 right.
   Observer* observer = nullptr;
   std::optional<RayGrid> rays;
-  PinholeRadtan camera;
+  AnyCamera camera;
   std::vector<Eigen::Isometry3d> X_WC;           ///< One a sub-exposure.
   std::vector<Eigen::Matrix3d> R_WC_background;  ///< One a sub-exposure of the background.
   std::vector<WarpGrid> warps;
@@ -250,8 +250,9 @@ std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int
   ParallelFor(2 * n_observers * kBands, threads_, [&, height = height_px](int task, int) {
     Eye* eye = EyeOf(task / kBands);
     RenderedPair& pair = pairs[static_cast<std::size_t>(task / kBands / 2)];
-    const NoiseKey key{scenario_.random_seed, eye->observer->rig.id, eye->index, tick};
-    ComposeRows(eye->layers, sensor_, key, BandOf(task % kBands, height), eye->linear.data(),
+    const Shot shot{.key = {scenario_.random_seed, eye->observer->rig.id, eye->index, tick},
+                    .exposure_s = scenario_.exposure.duration_ms * 1e-3};
+    ComposeRows(eye->layers, sensor_, shot, BandOf(task % kBands, height), eye->linear.data(),
                 eye->index == 0 ? &pair.left : &pair.right);
   });
   return pairs;

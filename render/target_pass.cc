@@ -31,19 +31,20 @@ int SamplesFor(double extent_px, std::size_t drawings) {
   return std::max(2, static_cast<int>(shared));
 }
 
-ProjectedMesh Project(const Mesh& mesh, const PinholeRadtan& camera,
-                      const Eigen::Isometry3d& X_CB) {
+ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const Eigen::Isometry3d& X_CB) {
   constexpr double kNear_m = 0.05;
   ProjectedMesh projected;
   projected.vertices.reserve(mesh.positions.size());
   bool all_valid = true;
-  for (const Eigen::Vector3f& p_B : mesh.positions) {
-    const Eigen::Vector3d p_C = X_CB * p_B.cast<double>();
-    const auto q_px = p_C.z() > kNear_m ? camera.Project(p_C) : std::nullopt;
-    all_valid = all_valid && q_px.has_value();
-    projected.vertices.push_back(q_px ? ImageVertex{q_px->x(), q_px->y(), 1 / p_C.z(), true}
-                                      : ImageVertex{});
-  }
+  camera.Visit([&](const auto& model) {
+    for (const Eigen::Vector3f& p_B : mesh.positions) {
+      const Eigen::Vector3d p_C = X_CB * p_B.cast<double>();
+      const auto q_px = p_C.z() > kNear_m ? model.Project(p_C) : std::nullopt;
+      all_valid = all_valid && q_px.has_value();
+      projected.vertices.push_back(q_px ? ImageVertex{q_px->x(), q_px->y(), 1 / p_C.z(), true}
+                                        : ImageVertex{});
+    }
+  });
   if (all_valid) {
     projected.triangles = mesh.triangles;
     return projected;
@@ -172,7 +173,7 @@ std::vector<SampleShift> InSamples(const ImageMotion& motion, int samples_per_px
 }
 
 // Relative to the middle pose. Infinite if the lens does not see all of the target.
-ImageMotion MotionOf(const Eigen::AlignedBox3f& box, const PinholeRadtan& camera,
+ImageMotion MotionOf(const Eigen::AlignedBox3f& box, const AnyCamera& camera,
                      std::span<const Eigen::Isometry3d> X_CB) {
   constexpr int kCorners = 8;
   const Eigen::Isometry3d& X_CB_middle = X_CB[X_CB.size() / 2];
@@ -289,7 +290,7 @@ TargetPass::TargetPass(std::unique_ptr<GlContext> context, double max_blur_px)
     : gl_(std::make_unique<Gl>(std::move(context))), max_blur_px_(max_blur_px) {}
 TargetPass::~TargetPass() = default;
 
-TargetLayer TargetPass::Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
+TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px,
                              int height_px, std::span<const Eigen::Isometry3d> X_CB) {
   constexpr double kMaxShift_px = 128;
   const ImageMotion motion = MotionOf(target.level->box, camera, X_CB);

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "camera/pinhole_radtan.h"
+#include "camera/any_camera.h"
 #include "render/gl_context.h"
 #include "render/prepared_model.h"
 
@@ -48,8 +48,8 @@ class TargetPass {
   /// exposure) into an image of width × height px. Where its parts move against each other by no
   /// more than max_blur_px, it is drawn once and its samples are moved by whole samples.
   /// @return an empty layer if the target is not in the image.
-  TargetLayer Draw(const ShadedTarget& target, const PinholeRadtan& camera, int width_px,
-                   int height_px, std::span<const Eigen::Isometry3d> X_CB);
+  TargetLayer Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px, int height_px,
+                   std::span<const Eigen::Isometry3d> X_CB);
 
  private:
   struct Gl;

@@ -9,8 +9,10 @@ namespace {
 // `share`: this camera's part of the relative values, -1/2 for the left and +1/2 for the right.
 PosedCamera Misaligned(PosedCamera posed, const Misalignment& relative,
                        const Misalignment::OneCamera& own, double share) {
-  posed.camera.cx_px += own.cx_px - share * relative.offset_px;
-  posed.camera.cy_px += own.cy_px;
+  Intrinsics intrinsics = posed.camera.intrinsics();
+  intrinsics.cx_px += own.cx_px - share * relative.offset_px;
+  intrinsics.cy_px += own.cy_px;
+  posed.camera = posed.camera.With(intrinsics);
   const Eigen::Vector3d turn_deg(share * relative.pitch_deg + own.pitch_deg,
                                  share * relative.yaw_deg + own.yaw_deg,
                                  share * relative.roll_deg + own.roll_deg);

@@ -6,15 +6,8 @@ namespace windhover {
 
 StereoRig CalibratedRig::ToStereoRig() const {
   const double focal_px = FocalPx();
-  const PinholeRadtan camera{.fx_px = focal_px,
-                             .fy_px = focal_px,
-                             .cx_px = (image[0] - 1) / 2.0,
-                             .cy_px = (image[1] - 1) / 2.0,
-                             .k1 = distortion.k1,
-                             .k2 = distortion.k2,
-                             .p1 = distortion.p1,
-                             .p2 = distortion.p2,
-                             .k3 = distortion.k3};
+  const AnyCamera camera =
+      MakeCamera({focal_px, focal_px, (image[0] - 1) / 2.0, (image[1] - 1) / 2.0}, distortion);
   return {.left = camera,
           .right = camera,
           .baseline_m = baseline_m,

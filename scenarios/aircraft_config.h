@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/lens_config.h"
 #include "camera/stereo_rig.h"
 #include "common/config/fields.h"
 
@@ -35,20 +36,7 @@ struct CalibratedRig {
   double pixel_um = 3.7325;
   std::array<int, 2> image = {1280, 720};
 
-  /// Brown-Conrady with OpenCV's five terms, in OpenCV's meaning.
-  struct Distortion {
-    double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
-
-    template <typename Visitor>
-    void Fields(Visitor& v) {
-      v.Field("k1", k1, InRange{-2, 2}, "first radial term");
-      v.Field("k2", k2, InRange{-20, 20}, "second radial term");
-      v.Field("p1", p1, InRange{-0.1, 0.1}, "first tangential term");
-      v.Field("p2", p2, InRange{-0.1, 0.1}, "second tangential term");
-      v.Field("k3", k3, InRange{-200, 200}, "third radial term");
-    }
-  };
-  Distortion distortion;
+  LensConfig distortion;
 
   /// Where the rig sits on the aircraft: X_BR.
   struct Mount {
@@ -70,7 +58,7 @@ struct CalibratedRig {
     v.Field("focal_mm", focal_mm, InRange{1, 500}, "focal length of both lenses");
     v.Field("pixel_um", pixel_um, InRange{0.5, 50}, "pixel pitch of both sensors");
     v.Field("image", image, InRange{16, 8192}, "width and height of an image, px");
-    v.Section("distortion", distortion, "lens distortion of both cameras (OpenCV's five terms)");
+    v.Section("distortion", distortion, "lens of both cameras (terms in OpenCV's meaning)");
     v.Section("mount", mount, "where the rig sits on the aircraft");
   }
 

@@ -8,12 +8,15 @@
 
 #include "common/config/fields.h"
 #include "rig/box_noise.h"
+#include "rig/exposure.h"
 #include "rig/flex.h"
 #include "rig/misalignment.h"
+#include "rig/optics.h"
 #include "rig/vibration.h"
 #include "scenarios/aircraft_config.h"
 #include "scenarios/dataset_config.h"
 #include "scenarios/flight_config.h"
+#include "scenarios/sensor_config.h"
 #include "scenarios/uwb_config.h"
 
 namespace windhover {
@@ -26,34 +29,6 @@ struct RigConfig {
   void Fields(Visitor& v) {
     calibrated.Fields(v);
     v.Section("misalignment", misalignment, "how the true rig differs from the calibrated one");
-  }
-};
-
-struct ExposureConfig {
-  double duration_ms = 2;
-  double max_blur_px = 0.5;
-  int max_samples = 16;
-
-  template <typename Visitor>
-  void Fields(Visitor& v) {
-    v.Field("duration_ms", duration_ms, InRange{0.001, 1000}, "exposure time of both cameras");
-    v.Field("max_blur_px", max_blur_px, InRange{0.01, 100},
-            "image motion that one sub-exposure may hide");
-    v.Field("max_samples", max_samples, InRange{1, 256}, "most sub-exposures of a frame");
-  }
-};
-
-/// Photons to bytes: shot and read noise in linear light, then the transfer curve.
-struct SensorConfig {
-  bool noise = true;
-  double full_well_e = 10000;
-  double read_noise_e = 8;
-
-  template <typename Visitor>
-  void Fields(Visitor& v) {
-    v.Field("noise", noise, AnyBool{}, "whether images are noisy");
-    v.Field("full_well_e", full_well_e, InRange{100, 1e6}, "electrons at white");
-    v.Field("read_noise_e", read_noise_e, InRange{0, 1000}, "read noise, electrons rms");
   }
 };
 
@@ -265,6 +240,7 @@ struct Scenario {
   RigConfig rig;
   FlexConfig flex;
   VibrationConfig vibration;
+  OpticsConfig optics;
   ExposureConfig exposure;
   SensorConfig sensor;
   NavConfig nav;
@@ -289,6 +265,7 @@ struct Scenario {
     v.Section("rig", rig, "the stereo rig");
     v.Section("flex", flex, "bending of the bar between the cameras");
     v.Section("vibration", vibration, "vibration at the root of the bar");
+    v.Section("optics", optics, "lenses beyond their calibration: focus, temperature, blur");
     v.Section("exposure", exposure, "shutter of both cameras");
     v.Section("sensor", sensor, "from light to bytes");
     v.Section("nav", nav, "what an aircraft's own navigation reports");

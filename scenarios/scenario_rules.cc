@@ -28,6 +28,11 @@ class RuleChecker {
     CheckTimes();
     CheckFlex();
     CheckWind();
+    CheckLens();
+    CheckSensor();
+    CheckFocus("optics.focus_m", scenario_.optics.focus_m);
+    CheckFocus("optics.left.focus_m", scenario_.optics.left.focus_m);
+    CheckFocus("optics.right.focus_m", scenario_.optics.right.focus_m);
     CheckEstimator();
     CheckExpectations();
     if (scenario_.aircraft.empty()) MustBe("aircraft", "a list of at least one", "none");
@@ -109,6 +114,42 @@ class RuleChecker {
     });
     if (scenario_.wind.IsCalm() || acts || aircraft.empty()) return;
     MustBe("wind", "calm where no aircraft has dynamics rigid_body: it would move none", "wind");
+  }
+
+  void CheckLens() {
+    const LensConfig& lens = scenario_.rig.calibrated.distortion;
+    lens.ForEachUnused([&](const char* name, double value) {
+      if (value == 0) return;
+      MustBe(fmt::format("rig.distortion.{}", name), "0: this model has no such term",
+             fmt::format("'{}'", value), {"rig.distortion.model"});
+    });
+  }
+
+  void CheckSensor() {
+    const SensorConfig& sensor = scenario_.sensor;
+    if (sensor.bayer != BayerPattern::kNone && sensor.jpeg_quality > 0) {
+      MustBe("sensor.jpeg_quality", "0 where frames are raw under colour filters",
+             fmt::format("'{}'", sensor.jpeg_quality), {"sensor.bayer"});
+    }
+    const double largest_dn = std::exp2(sensor.emva.bits) - 1;
+    if (sensor.emva.offset_dn >= largest_dn / 2) {
+      MustBe("sensor.emva.offset_dn",
+             fmt::format("below half the largest grey value, {}", largest_dn),
+             fmt::format("'{}'", sensor.emva.offset_dn), {"sensor.emva.bits"});
+    }
+    const AutoExposureConfig& automatic = scenario_.exposure.auto_exposure;
+    if (automatic.min_ms > automatic.max_ms) {
+      MustBe("exposure.auto.min_ms", fmt::format("at most max_ms, {}", automatic.max_ms),
+             fmt::format("'{}'", automatic.min_ms), {"exposure.auto.max_ms"});
+    }
+  }
+
+  // Nearer than two focal lengths lenses magnify, which no lens of a rig is built for.
+  void CheckFocus(const std::string& path, double focus_m) {
+    const double nearest_m = 2e-3 * scenario_.rig.calibrated.focal_mm;
+    if (std::isnan(focus_m) || focus_m == 0 || focus_m >= nearest_m) return;
+    MustBe(path, fmt::format("0 (infinity) or at least two focal lengths, {:.4g} m", nearest_m),
+           fmt::format("'{}'", focus_m), {"rig.focal_mm"});
   }
 
   void CheckEstimator() {

@@ -20,6 +20,7 @@ namespace {
 constexpr int kJpegQuality = 95;
 
 image_t JpegFromImage(const image_t& image) {
+  if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) return image;
   const bool is_gray = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
   const int channels = is_gray ? 1 : 3;
   if (!is_gray && image.pixelformat != image_t::PIXEL_FORMAT_RGB) {

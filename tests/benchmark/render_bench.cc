@@ -126,13 +126,13 @@ void BM_Target(benchmark::State& state) {
   const auto environment = MakeEnvironment(scenario.environment);
   const SkyLight light(scenario.environment, *environment);
   TargetPass pass(MakeOsMesaContext(), scenario.exposure.max_blur_px);
-  const PinholeRadtan camera = scenario.rig.calibrated.ToStereoRig().left;
+  const AnyCamera camera = scenario.rig.calibrated.ToStereoRig().left;
   const auto depth_m = static_cast<double>(state.range(0));
   Eigen::Isometry3d X_CB = Eigen::Isometry3d::Identity();
   X_CB.linear() = R_BC_Forward().transpose();
   X_CB.translation().z() = depth_m;
   const std::array poses = {X_CB};
-  const DetailLevel& level = model.LevelFor(depth_m, camera.fx_px);
+  const DetailLevel& level = model.LevelFor(depth_m, camera.fx_px());
   for (auto _ : state) {
     const ShadedTarget shaded = Shade(model, level, Eigen::Matrix3d::Identity(), light);
     for (int eye = 0; eye < 2; ++eye) {

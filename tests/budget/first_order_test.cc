@@ -46,8 +46,8 @@ void TurnBoth(Rigs* rigs, int axis, double relative_rad) {
   Turn(&rigs->truth.right, axis, relative_rad / 2);
 }
 
-PinholeRadtan& Left(Rigs* rigs) { return rigs->truth.left.camera; }
-PinholeRadtan& Right(Rigs* rigs) { return rigs->truth.right.camera; }
+PinholeRadtan& Left(Rigs* rigs) { return rigs->truth.left.camera.As<PinholeRadtan>(); }
+PinholeRadtan& Right(Rigs* rigs) { return rigs->truth.right.camera.As<PinholeRadtan>(); }
 void Shift(Rigs* rigs, const Eigen::Vector3d& by_m) {
   rigs->truth.right.X_RC.translation() += by_m;
 }
@@ -87,7 +87,10 @@ const std::map<D, void (*)(Rigs*, double)> kDisturb = {
     {D::kRightP1, [](Rigs* r, double a) { Right(r).p1 += a; }},
     {D::kRightP2, [](Rigs* r, double a) { Right(r).p2 += a; }},
     {D::kAssumedFocal,
-     [](Rigs* r, double a) { r->assumed.left.fx_px += a, r->assumed.right.fx_px += a; }},
+     [](Rigs* r, double a) {
+       r->assumed.left.As<PinholeRadtan>().fx_px += a;
+       r->assumed.right.As<PinholeRadtan>().fx_px += a;
+     }},
     {D::kAssumedBaseline, [](Rigs* r, double a) { r->assumed.baseline_m += a; }}};
 
 Sight SightAt(double depth_m, double x, double y) {

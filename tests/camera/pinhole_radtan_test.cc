@@ -24,6 +24,7 @@ TEST(PinholeRadtan, WorkedExample) {
   EXPECT_DOUBLE_EQ(q_px->y(), 360);
 }
 
+// V3.3
 TEST(PinholeRadtan, WithoutDistortionIsAPinholeExactly) {
   const PinholeRadtan camera{.fx_px = 512, .fy_px = 256, .cx_px = 100, .cy_px = 50};
   EXPECT_EQ(camera.Project({1, 2, 4}).value(), Vector2d(100 + 512 / 4, 50 + 256 / 2));
@@ -39,7 +40,7 @@ TEST(PinholeRadtan, HasNoAnswerBeyondTheFold) {
   EXPECT_FALSE(kBarrel.Unproject({640 + 1000 * (largest + 1e-6), 360}));
 }
 
-// k1 = -0.6, k2 = 0.15: the slope 1 - 1.8 s + 0.75 s² is negative for s = r² from 0.876 to 1.524
+// k1 = -0.6, k2 = 0.15: the slope 1 - 1.8 s + 0.75 s² is negative for s = r² from 0.873 to 1.527
 // and positive again at s = 4, a region that is not connected to the axis.
 TEST(PinholeRadtan, HasNoAnswerInARegionBehindTheFold) {
   PinholeRadtan camera = kBarrel;

@@ -18,11 +18,20 @@ constexpr StereoRig kRig{
 
 StereoRig DistortedRig() {
   StereoRig rig = kRig;
-  rig.left.k1 = -0.12;
-  rig.left.p1 = 4e-4;
-  rig.right.k1 = -0.09;
-  rig.right.k3 = 0.2;
-  rig.right.fx_px = 3230;
+  auto& left = rig.left.As<PinholeRadtan>();
+  left.k1 = -0.12;
+  left.p1 = 4e-4;
+  auto& right = rig.right.As<PinholeRadtan>();
+  right.k1 = -0.09;
+  right.k3 = 0.2;
+  right.fx_px = 3230;
+  return rig;
+}
+
+StereoRig FisheyeRig() {
+  const Intrinsics intrinsics{.fx_px = 3215, .fy_px = 3215, .cx_px = 639.5, .cy_px = 359.5};
+  StereoRig rig = DistortedRig();
+  rig.left = KannalaBrandt(intrinsics, {.k1 = -0.04, .k2 = 0.003});
   return rig;
 }
 
@@ -38,7 +47,7 @@ TEST(Triangulate, WorkedExample) {
 }
 
 TEST(Triangulate, UndoesProjectOverTheImage) {
-  for (const StereoRig& rig : {kRig, DistortedRig()}) {
+  for (const StereoRig& rig : {kRig, DistortedRig(), FisheyeRig()}) {
     for (const double depth_m : {3.0, 10.0, 40.0}) {
       for (double x = -0.15; x <= 0.15; x += 0.05) {
         for (double y = -0.1; y <= 0.1; y += 0.05) {

@@ -35,7 +35,7 @@ stereo_box_t IdealBox(const AircraftConfig& config, const Eigen::Vector3d& p_RT_
   const StereoRig rig = config.rig.ToStereoRig();
   const auto pixels = Project(Posed(rig), p_RT_m);
   return StereoBox(pixels->left_px, pixels->right_px,
-                   rig.left.fx_px * config.estimator.target_width_m / p_RT_m.z());
+                   rig.left.fx_px() * config.estimator.target_width_m / p_RT_m.z());
 }
 
 TEST(RangeEstimator, TriangulationWorkedExample) {

@@ -98,7 +98,7 @@ TEST_F(EvaluationTest, AFrameWithoutAnAnswerMakesTheRunInvalid) {
 TEST_F(EvaluationTest, DisparityOffsetIsMeasuredMinusTrue) {
   RunRecord run = TenSeconds();
   const StereoRig rig = run.scenario.rig.calibrated.ToStereoRig();
-  const double true_px = rig.left.fx_px * rig.baseline_m / 10;
+  const double true_px = rig.left.fx_px() * rig.baseline_m / 10;
   for (ObserverFrame& frame : run.frames) {
     stereo_box_t& box = frame.detections->boxes[0];
     box.right.x_px = box.left.x_px - (true_px + 66);

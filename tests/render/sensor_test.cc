@@ -20,7 +20,8 @@ Moments MomentsAt(const Sensor& sensor, std::uint16_t light) {
   double sum = 0, squares = 0;
   for (int row = 0; row < kRows; ++row) {
     std::vector<std::uint16_t> values(kCount, light);
-    sensor.AddNoise({.seed = 3, .aircraft_id = 0, .eye = 0, .tick = 5}, row, kCount, values.data());
+    sensor.Expose({{.seed = 3, .aircraft_id = 0, .eye = 0, .tick = 5}, 0.002}, row, kCount,
+                  values.data());
     for (const std::uint16_t value : values) {
       sum += value;
       squares += static_cast<double>(value) * value;
@@ -30,8 +31,8 @@ Moments MomentsAt(const Sensor& sensor, std::uint16_t light) {
   return {sum / n, squares / n - sum * sum / (n * n)};
 }
 
-// Photon transfer (EMVA 1288, section 6): variance over mean is one electron, and at dark it is
-// the read noise. 768,000 draws know a variance to sqrt(2 / n) = 0.16 %.
+// V3.8: photon transfer (EMVA 1288, section 6): variance over mean is one electron, and at dark it
+// is the read noise. 768,000 draws know a variance to sqrt(2 / n) = 0.16 %.
 TEST(Sensor, TransfersPhotons) {
   const SensorConfig config{.noise = true, .full_well_e = 10000, .read_noise_e = 8};
   const Sensor sensor(config);
@@ -48,8 +49,8 @@ TEST(Sensor, TransfersPhotons) {
 TEST(Sensor, ClipsAtBlackAndWhite) {
   const Sensor sensor(SensorConfig{.noise = true, .full_well_e = 1000, .read_noise_e = 30});
   std::vector<std::uint16_t> dark(kCount, 0), white(kCount, 65535);
-  sensor.AddNoise({1, 0, 0, 0}, 0, kCount, dark.data());
-  sensor.AddNoise({1, 0, 0, 0}, 1, kCount, white.data());
+  sensor.Expose({{1, 0, 0, 0}, 0.002}, 0, kCount, dark.data());
+  sensor.Expose({{1, 0, 0, 0}, 0.002}, 1, kCount, white.data());
   EXPECT_EQ(*std::min_element(dark.begin(), dark.end()), 0);
   EXPECT_LT(*std::max_element(dark.begin(), dark.end()), 20000);
   EXPECT_EQ(*std::max_element(white.begin(), white.end()), 65535);
@@ -60,7 +61,7 @@ std::vector<double> NoiseOf(const NoiseKey& key) {
   std::vector<double> noise;
   for (int row = 0; row < kRows; ++row) {
     std::vector<std::uint16_t> values(kCount, 30000);
-    sensor.AddNoise(key, row, kCount, values.data());
+    sensor.Expose({key, 0.002}, row, kCount, values.data());
     for (const std::uint16_t value : values) noise.push_back(value - 30000.0);
   }
   return noise;
@@ -77,7 +78,7 @@ double Correlation(const std::vector<double>& a, const std::vector<double>& b,
   return ab / std::sqrt(aa * bb);
 }
 
-// Independent samples correlate by 1 / sqrt(768,000) = 0.0011 rms.
+// V3.13: independent samples correlate by 1 / sqrt(768,000) = 0.0011 rms.
 TEST(Sensor, NoiseOfEyesTicksAircraftAndSeedsIsIndependent) {
   const NoiseKey left{.seed = 3, .aircraft_id = 0, .eye = 0, .tick = 7};
   NoiseKey right = left, later = left, other = left, reseeded = left;
@@ -113,7 +114,7 @@ TEST(Sensor, TransfersBySrgb) {
 TEST(Sensor, CanBeClean) {
   const Sensor sensor(SensorConfig{.noise = false});
   std::vector<std::uint16_t> values(100, 1234);
-  sensor.AddNoise({1, 0, 0, 0}, 0, 100, values.data());
+  sensor.Expose({{1, 0, 0, 0}, 0.002}, 0, 100, values.data());
   EXPECT_EQ(values, std::vector<std::uint16_t>(100, 1234));
 }
 

@@ -67,8 +67,9 @@ bool DisturbByMisalignment(const Row& row, const StereoRig& rig, Rigs* rigs) {
 }
 
 bool DisturbByCamera(const Row& row, Rigs* rigs) {
-  PosedCamera& left = rigs->truth.left;
   PosedCamera& right = rigs->truth.right;
+  auto& left_lens = rigs->truth.left.camera.As<PinholeRadtan>();
+  auto& right_lens = right.camera.As<PinholeRadtan>();
   if (row.disturbance == "tx")
     right.X_RC.translation().x() += row.delta;
   else if (row.disturbance == "ty")
@@ -76,19 +77,20 @@ bool DisturbByCamera(const Row& row, Rigs* rigs) {
   else if (row.disturbance == "tz")
     right.X_RC.translation().z() += row.delta;
   else if (row.disturbance == "fR")
-    right.camera.fx_px += row.delta;
+    right_lens.fx_px += row.delta;
   else if (row.disturbance == "fL")
-    left.camera.fx_px += row.delta;
+    left_lens.fx_px += row.delta;
   else if (row.disturbance == "k1both")
-    left.camera.k1 = right.camera.k1 = row.delta;
+    left_lens.k1 = right_lens.k1 = row.delta;
   else if (row.disturbance == "k1R")
-    right.camera.k1 = row.delta;
+    right_lens.k1 = row.delta;
   else if (row.disturbance == "p2R")
-    right.camera.p2 = row.delta;
+    right_lens.p2 = row.delta;
   else if (row.disturbance == "p1R")
-    right.camera.p1 = row.delta;
+    right_lens.p1 = row.delta;
   else if (row.disturbance == "fa")
-    rigs->assumed.left.fx_px = rigs->assumed.right.fx_px += row.delta;
+    rigs->assumed.left.As<PinholeRadtan>().fx_px = rigs->assumed.right.As<PinholeRadtan>().fx_px +=
+        row.delta;
   else if (row.disturbance == "Ba")
     rigs->assumed.baseline_m += row.delta;
   else

@@ -33,7 +33,7 @@ TEST(Misaligned, NoneIsTheCalibratedRig) {
   const PosedStereoRig rig = Misaligned(kRig, {});
   EXPECT_TRUE(rig.left.X_RC.isApprox(Posed(kRig).left.X_RC, 0));
   EXPECT_TRUE(rig.right.X_RC.isApprox(Posed(kRig).right.X_RC, 0));
-  EXPECT_EQ(rig.left.camera.cx_px, 639.5);
+  EXPECT_EQ(rig.left.camera.intrinsics().cx_px, 639.5);
 }
 
 TEST(Misaligned, OffsetAddsToDisparityExactly) {

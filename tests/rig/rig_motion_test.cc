@@ -83,7 +83,7 @@ TEST(RigMotion, WithoutVibrationIsTheMisalignedRig) {
   const RigMotion motion(kRig, misalignment, kFlex, {}, 1, "uav0");
   const PosedStereoRig expected = Misaligned(kRig, misalignment), rig = motion.At(12.3);
   EXPECT_TRUE(rig.left.X_RC.isApprox(expected.left.X_RC, 0));
-  EXPECT_EQ(rig.right.camera.cx_px, expected.right.camera.cx_px);
+  EXPECT_EQ(rig.right.camera.intrinsics().cx_px, expected.right.camera.intrinsics().cx_px);
 }
 
 // V2.4, V2.5: fore-aft acceleration of 1 m/s² at resonance: the tips swing by Γ a / (2 ζ ω₁²)

@@ -142,6 +142,21 @@ TEST(Scenario, ChecksEachRule) {
               testing::IsEmpty());
   EXPECT_THAT(ErrorsOf(kValid + "uwb: {rate_hz: 0.5}\n"),
               ElementsAre(HasSubstr("s.yaml:5:16: uwb.rate_hz: must be 0 or at least 1")));
+  EXPECT_THAT(ErrorsOf(kValid + "rig: {distortion: {model: kannala_brandt, k4: 0.1, p1: 0.01}}\n"),
+              ElementsAre(HasSubstr("rig.distortion.p1: must be 0: this model has no such term "
+                                    "(found '0.01')")));
+  EXPECT_THAT(ErrorsOf(kValid + "sensor: {bayer: rggb, jpeg_quality: 90}\n"),
+              ElementsAre(HasSubstr("sensor.jpeg_quality: must be 0 where frames are raw under "
+                                    "colour filters (found '90')")));
+  EXPECT_THAT(ErrorsOf(kValid + "sensor: {emva: {bits: 8, offset_dn: 200}}\n"),
+              ElementsAre(HasSubstr("sensor.emva.offset_dn: must be below half the largest grey "
+                                    "value, 255 (found '200')")));
+  EXPECT_THAT(ErrorsOf(kValid + "exposure: {auto: {min_ms: 20}}\n"),
+              ElementsAre(HasSubstr("exposure.auto.min_ms: must be at most max_ms, 10")));
+  EXPECT_THAT(ErrorsOf(kValid + "optics: {focus_m: 0.01, left: {focus_m: -3}}\n"),
+              ElementsAre(HasSubstr("optics.focus_m: must be 0 (infinity) or at least two focal "
+                                    "lengths, 0.024 m (found '0.01')"),
+                          HasSubstr("optics.left.focus_m: must be 0 (infinity)")));
   EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a}]\n"),
               ElementsAre(HasSubstr("expect.0: must be bounded by max, min, upper95 or lower95")));
   EXPECT_THAT(ErrorsOf(kValid + "expect: [{metric: a, min: 2, max: 1}]\n"),

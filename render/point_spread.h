@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace windhover {
+
+/// What becomes of a point's light in an image: a disc (defocus) and a normal distribution
+/// (diffraction) together, as weights of pixels.
+///
+/// The image's own pixels are already averages over their area, so that the weights have the
+/// variance of disc and distribution alone: below half a pixel by the three weights a row that have
+/// it, above by the area that the spread covers of each pixel, less the pixel's own variance.
+class PointSpread {
+ public:
+  /// A tap of the kernel: the pixel (dx, dy) away gets weight / 65536.
+  struct Tap {
+    int dx, dy;
+    std::uint32_t weight;
+  };
+
+  /// A spread up to 64 px wide; wider ones are cut to that.
+  PointSpread(double sigma_px, double disc_diameter_px);
+
+  /// Row by row; the weights sum to 65536.
+  const std::vector<Tap>& Taps() const { return taps_; }
+  int Radius() const { return radius_; }
+  bool IsPoint() const { return radius_ == 0; }
+
+  /// Variance along one axis, px².
+  double Variance() const;
+
+ private:
+  std::vector<Tap> taps_;
+  int radius_ = 0;
+};
+
+/// An image of `channels` values a pixel, rows from the top without gaps.
+struct ImageView {
+  const std::uint16_t* values;
+  int width_px, height_px, channels;
+};
+
+/// Row `y` of what `spread` makes of `image`, width · channels values; beyond its borders the image
+/// is taken to go on as it ends. Integers only: the same bits everywhere.
+void SpreadRow(const ImageView& image, const PointSpread& spread, int y, std::uint16_t* row);
+
+}  // namespace windhover
