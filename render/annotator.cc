@@ -26,18 +26,17 @@ image_box_t CutAtBorders(const image_box_t& box, int width_px, int height_px) {
 
 }  // namespace
 
-target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B,
-                               const Eigen::Isometry3d& X_CB, const AnyCamera& camera, int width_px,
-                               int height_px) {
+target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B, const RowPoses& X_CB,
+                               const AnyCamera& camera, int width_px, int height_px) {
   target_view_t view{};
-  const auto centre_px = camera.Project(X_CB.translation());
+  const auto centre_px = ProjectByRows(camera, X_CB, Eigen::Vector3d::Zero());
   if (!centre_px) return view;
   view.in_front = 1;
   view.centre_px[0] = centre_px->x();
   view.centre_px[1] = centre_px->y();
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3d& p_B : outline_B) {
-    if (const auto q_px = camera.Project(X_CB * p_B)) box.extend(*q_px);
+    if (const auto q_px = ProjectByRows(camera, X_CB, p_B)) box.extend(*q_px);
   }
   if (box.isEmpty()) return view;
   view.full = BoxFromEdges(box.min().x(), box.min().y(), box.max().x(), box.max().y());

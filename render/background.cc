@@ -38,8 +38,8 @@ RayGrid::RayGrid(const AnyCamera& lens, int width, int height)
   }
 }
 
-WarpGrid MakeWarpGrid(const RayGrid& grid, const Eigen::Matrix3d& R_WC, const RadianceMap& map,
-                      Chart chart, double u_near) {
+WarpGrid MakeWarpGrid(const RayGrid& grid, const std::vector<Eigen::Matrix3d>& R_WC,
+                      const RadianceMap& map, Chart chart, double u_near) {
   WarpGrid warp{.places = {},
                 .u_min = 1e18,
                 .u_max = -1e18,
@@ -49,8 +49,9 @@ WarpGrid MakeWarpGrid(const RayGrid& grid, const Eigen::Matrix3d& R_WC, const Ra
                 .R_WC = R_WC,
                 .chart = chart};
   warp.places.reserve(grid.rays_C.size());
-  for (const Eigen::Vector3d& ray_C : grid.rays_C) {
-    Eigen::Vector2d place = map.PlaceOf(R_WC * ray_C, chart);
+  for (std::size_t i = 0; i < grid.rays_C.size(); ++i) {
+    const std::size_t row = R_WC.size() == 1 ? 0 : i / static_cast<std::size_t>(grid.columns);
+    Eigen::Vector2d place = map.PlaceOf(R_WC[row] * grid.rays_C[i], chart);
     place.x() -= std::round((place.x() - u_near) / map.Width()) * map.Width();
     warp.u_min = std::min(warp.u_min, place.x());
     warp.u_max = std::max(warp.u_max, place.x());
@@ -105,8 +106,14 @@ void BackgroundWarp::Row(int y, std::uint16_t* rgb) const {
 }
 
 void BackgroundWarp::ExactRow(int y, std::uint16_t* rgb) const {
+  // Between rows of nodes the camera turns evenly.
+  const bool is_one = warp_.R_WC.size() == 1;
+  const auto j = static_cast<std::size_t>(is_one ? 0 : y / kRayCell_px);
+  const double share = is_one ? 0 : y % kRayCell_px * (1.0 / kRayCell_px);
+  Eigen::Matrix3d R_WC = warp_.R_WC[j];
+  if (share > 0) R_WC = (1 - share) * R_WC + share * warp_.R_WC[j + 1];
   for (int x = 0; x < grid_.width_px; ++x) {
-    const Eigen::Vector3d d_W = warp_.R_WC * RayOf(grid_.camera, {x, y});
+    const Eigen::Vector3d d_W = R_WC * RayOf(grid_.camera, {x, y});
     Eigen::Vector2d place = map_.PlaceOf(d_W, warp_.chart);
     const double u_near = (warp_.u_min + warp_.u_max) / 2;
     place.x() -= std::round((place.x() - u_near) / map_.Width()) * map_.Width();

@@ -29,13 +29,14 @@ struct WarpGrid {
   std::vector<Eigen::Vector2d> places;  ///< Map coordinates; u is continuous across the map's seam.
   double u_min, u_max, v_min, v_max;    ///< Of all places.
   bool near_pole;                       ///< So near that interpolating places is not allowed.
-  Eigen::Matrix3d R_WC;
+  std::vector<Eigen::Matrix3d> R_WC;    ///< Of each row of nodes, or one for all.
   Chart chart;
 };
 
+/// `R_WC`: one orientation, or one for each row of the grid's nodes (a rolling shutter).
 /// `u_near`: the turn of u that places are next to, so that cameras side by side share a window.
-WarpGrid MakeWarpGrid(const RayGrid& grid, const Eigen::Matrix3d& R_WC, const RadianceMap& map,
-                      Chart chart, double u_near);
+WarpGrid MakeWarpGrid(const RayGrid& grid, const std::vector<Eigen::Matrix3d>& R_WC,
+                      const RadianceMap& map, Chart chart, double u_near);
 
 /// Draws the surroundings as a camera sees them, row by row.
 class BackgroundWarp {

@@ -106,9 +106,9 @@ std::vector<ExposureNode> BackgroundNodes(double motion_px, double duration_s, i
   return nodes;
 }
 
-ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& world,
-                          std::size_t observer, const RigMotion& rig, double focal_px) {
-  const double duration_s = config.duration_ms * 1e-3;
+ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
+                          const world_truth_t& world, std::size_t observer, const RigMotion& rig,
+                          double focal_px) {
   const uav_truth_t& self = world.uavs[observer];
   double speed_radps = 0;
   for (std::size_t i = 0; i < world.uavs.size(); ++i) {
@@ -135,6 +135,39 @@ WorldCameras CamerasAt(const world_truth_t& world, std::size_t observer,
   const PosedStereoRig posed =
       rig.At(SecondsFromUtime(world.utime) + dt_s, DriveOf(world, observer));
   return {posed.left.camera, posed.right.camera, X_WR * posed.left.X_RC, X_WR * posed.right.X_RC};
+}
+
+StereoRowCameras CamerasByRows(const world_truth_t& world, std::size_t observer,
+                               const Eigen::Isometry3d& X_BR, const RigMotion& rig,
+                               const StereoShutterTimes& shutter, int height_px, double offset_s) {
+  const bool rolls = shutter.left.row_time_s != 0;
+  const int count = rolls ? (height_px + kRowStep_px - 1) / kRowStep_px + 1 : 1;
+  StereoRowCameras rows;
+  for (int i = 0; i < count; ++i) {
+    const auto time_s = [&](const ShutterTimes& times) {
+      return (rolls ? times.RowMiddle_s(i * kRowStep_px) : times.middle_s) + offset_s;
+    };
+    const double left_s = time_s(shutter.left), right_s = time_s(shutter.right);
+    const WorldCameras at_left = CamerasAt(world, observer, X_BR, rig, left_s);
+    const WorldCameras at_right =
+        right_s == left_s ? at_left : CamerasAt(world, observer, X_BR, rig, right_s);
+    rows.left.camera = at_left.left;
+    rows.left.times_s.push_back(left_s);
+    rows.left.X_WC.push_back(at_left.X_WL);
+    rows.right.camera = at_right.right;
+    rows.right.times_s.push_back(right_s);
+    rows.right.X_WC.push_back(at_right.X_WR);
+  }
+  return rows;
+}
+
+RowPoses PosesOf(const RowCameras& cameras, const uav_truth_t& target) {
+  RowPoses poses;
+  poses.row_step_px = kRowStep_px;
+  for (std::size_t i = 0; i < cameras.X_WC.size(); ++i) {
+    poses.X_CB.push_back(cameras.X_WC[i].inverse() * PoseAt(target, cameras.times_s[i]));
+  }
+  return poses;
 }
 
 }  // namespace windhover

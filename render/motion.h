@@ -7,6 +7,8 @@
 
 #include "lcmtypes/uav_truth_t.hpp"
 #include "lcmtypes/world_truth_t.hpp"
+#include "render/row_poses.h"
+#include "rig/exposure.h"
 #include "rig/rig_motion.h"
 #include "scenarios/scenario.h"
 
@@ -41,11 +43,12 @@ struct ExposurePlan {
 /// Source: M. Abramowitz and I. Stegun, "Handbook of Mathematical Functions", table 25.4.
 std::vector<ExposureNode> BackgroundNodes(double motion_px, double duration_s, int max_nodes);
 
-/// Splits an exposure so that nothing in the image moves more than max_blur_px within a part:
-/// the far background by the turning of the cameras (aircraft, vibration, flex), the nearest
-/// target by its own motion. At most max_samples parts (one less if that is even).
-ExposurePlan PlanExposure(const ExposureConfig& config, const world_truth_t& world,
-                          std::size_t observer, const RigMotion& rig, double focal_px);
+/// Splits an exposure of `duration_s` so that nothing in the image moves more than max_blur_px
+/// within a part: the far background by the turning of the cameras (aircraft, vibration, flex), the
+/// nearest target by its own motion. At most max_samples parts (one less if that is even).
+ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
+                          const world_truth_t& world, std::size_t observer, const RigMotion& rig,
+                          double focal_px);
 
 /// Both cameras of an observer's true rig in W.
 struct WorldCameras {
@@ -56,5 +59,29 @@ struct WorldCameras {
 /// At `dt_s` from the world's utime.
 WorldCameras CamerasAt(const world_truth_t& world, std::size_t observer,
                        const Eigen::Isometry3d& X_BR, const RigMotion& rig, double dt_s);
+
+/// Rows between those for which a rolling shutter's cameras are known: those of a RayGrid.
+inline constexpr int kRowStep_px = 16;
+
+/// One camera in W while its rows are exposed: at rows 0, kRowStep_px, … up to beyond the last, or
+/// once for all rows of a global shutter.
+struct RowCameras {
+  AnyCamera camera;
+  std::vector<double> times_s;  ///< From the world's utime.
+  std::vector<Eigen::Isometry3d> X_WC;
+};
+
+struct StereoRowCameras {
+  RowCameras left, right;
+};
+
+/// Both cameras, each when its own shutter exposes each row, `offset_s` from the middle of the
+/// row's exposure.
+StereoRowCameras CamerasByRows(const world_truth_t& world, std::size_t observer,
+                               const Eigen::Isometry3d& X_BR, const RigMotion& rig,
+                               const StereoShutterTimes& shutter, int height_px, double offset_s);
+
+/// The aircraft `target` as each row sees it.
+RowPoses PosesOf(const RowCameras& cameras, const uav_truth_t& target);
 
 }  // namespace windhover

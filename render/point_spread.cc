@@ -33,29 +33,46 @@ Weights Narrow(double variance) {
   return weights;
 }
 
-// Share of a disc of `radius` whose edge is blurred by `sigma` (both px) at a distance from its
-// middle, to a constant factor.
-double Profile(double distance, double radius, double sigma) {
-  if (radius < 0.5 * sigma) return std::exp(-distance * distance / (2 * sigma * sigma));
-  if (sigma < 1e-3) return distance < radius ? 1 : 0;
-  return std::erfc((distance - radius) / (sigma * std::sqrt(2.0)));
-}
-
-Weights Wide(double sigma, double radius) {
+// The area that a disc, or a normal distribution, of this variance covers of each pixel. Averaging
+// over pixels adds a pixel's own variance, which is taken off before.
+Weights Wide(double variance, bool is_disc) {
   constexpr int kSubsamples = 8;
-  Weights weights(std::min(kMaxRadius, static_cast<int>(std::ceil(radius + 3 * sigma + 0.5))));
+  constexpr double kPixelVariance = 1 / 12.0;
+  const double sigma = std::sqrt(variance - kPixelVariance);
+  const double extent = is_disc ? 2 * sigma : 4 * sigma;  // A disc's variance is r² / 4.
+  Weights weights(std::min(kMaxRadius, static_cast<int>(std::ceil(extent + 0.5))));
   for (int dy = -weights.radius; dy <= weights.radius; ++dy) {
     for (int dx = -weights.radius; dx <= weights.radius; ++dx) {
       double sum = 0;
       for (int i = 0; i < kSubsamples * kSubsamples; ++i) {
         const double x = dx + (i % kSubsamples + 0.5) / kSubsamples - 0.5;
         const double y = dy + (i / kSubsamples + 0.5) / kSubsamples - 0.5;
-        sum += Profile(std::hypot(x, y), radius, sigma);
+        const double r2 = x * x + y * y;
+        sum += is_disc ? (r2 < extent * extent ? 1 : 0) : std::exp(-r2 / (2 * sigma * sigma));
       }
       weights.At(dx, dy) = sum;
     }
   }
   return weights;
+}
+
+Weights Spread(double variance, bool is_disc) {
+  constexpr double kNarrowVariance = 0.25;
+  return variance < kNarrowVariance ? Narrow(variance) : Wide(variance, is_disc);
+}
+
+// Variances add.
+Weights Convolved(Weights a, Weights b) {
+  Weights both(a.radius + b.radius);
+  for (int i = 0; i < (2 * a.radius + 1) * (2 * a.radius + 1); ++i) {
+    const int dx = i % (2 * a.radius + 1) - a.radius, dy = i / (2 * a.radius + 1) - a.radius;
+    for (int y = -b.radius; y <= b.radius; ++y) {
+      for (int x = -b.radius; x <= b.radius; ++x) {
+        both.At(dx + x, dy + y) += a.At(dx, dy) * b.At(x, y);
+      }
+    }
+  }
+  return both;
 }
 
 __attribute__((target_clones("default", "avx2"))) void AddScaled(const std::uint16_t* values,
@@ -67,17 +84,8 @@ __attribute__((target_clones("default", "avx2"))) void AddScaled(const std::uint
 }  // namespace
 
 PointSpread::PointSpread(double sigma_px, double disc_diameter_px) {
-  constexpr double kPixelVariance = 1 / 12.0, kNarrowVariance = 0.25;
-  // Of a disc along one axis: r² / 4.
-  const double disc_variance = disc_diameter_px * disc_diameter_px / 16;
-  const double variance = sigma_px * sigma_px + disc_variance;
-  const double left = std::max(sigma_px * sigma_px - kPixelVariance, 0.0);
-  const double taken = sigma_px * sigma_px - left;
-  Weights weights =
-      variance < kNarrowVariance
-          ? Narrow(variance)
-          : Wide(std::sqrt(left),
-                 2 * std::sqrt(std::max(disc_variance - (kPixelVariance - taken), 0.0)));
+  Weights weights = Convolved(Spread(sigma_px * sigma_px, /*is_disc=*/false),
+                              Spread(disc_diameter_px * disc_diameter_px / 16, /*is_disc=*/true));
   radius_ = weights.radius;
   double sum = 0;
   for (const double value : weights.values) sum += value;

@@ -9,8 +9,8 @@ namespace windhover {
 /// (diffraction) together, as weights of pixels.
 ///
 /// The image's own pixels are already averages over their area, so that the weights have the
-/// variance of disc and distribution alone: below half a pixel by the three weights a row that have
-/// it, above by the area that the spread covers of each pixel, less the pixel's own variance.
+/// variance of disc and distribution alone: each, if narrow, is three weights a row that have its
+/// variance, else the area that it covers of each pixel; the kernel is their convolution.
 class PointSpread {
  public:
   /// A tap of the kernel: the pixel (dx, dy) away gets weight / 65536.
@@ -19,7 +19,7 @@ class PointSpread {
     std::uint32_t weight;
   };
 
-  /// A spread up to 64 px wide; wider ones are cut to that.
+  /// Disc and distribution are cut at 32 px from their middles.
   PointSpread(double sigma_px, double disc_diameter_px);
 
   /// Row by row; the weights sum to 65536.

@@ -86,7 +86,7 @@ void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
   frame.utime = pair.annotation.utime;
   frame.tick = tick;
   frame.observer_id = id;
-  frame.exposure_s = scenario_.exposure.duration_ms * 1e-3;
+  frame.exposure_s = pair.exposure_s;
   const FrameFormat format = FrameFormatOf(scenario_.sensor);
   frame.left = EncodeFrame(std::move(pair.left), frame.utime, format);
   frame.right = EncodeFrame(std::move(pair.right), frame.utime, format);

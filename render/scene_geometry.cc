@@ -30,7 +30,10 @@ std::shared_ptr<const AircraftShape> ShapeFrom(AircraftModel model) {
 }  // namespace
 
 SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& observers)
-    : width_px_(scenario.rig.calibrated.image[0]), height_px_(scenario.rig.calibrated.image[1]) {
+    : exposure_(scenario.exposure),
+      seed_(scenario.random_seed),
+      width_px_(scenario.rig.calibrated.image[0]),
+      height_px_(scenario.rig.calibrated.image[1]) {
   std::map<AircraftType, std::shared_ptr<const AircraftShape>> of_type;
   for (const Aircraft& aircraft : scenario.aircraft) {
     ids_.push_back(aircraft.self.id);
@@ -56,11 +59,23 @@ void SceneGeometry::CheckWorld(const world_truth_t& world) const {
   if (!fits) throw std::runtime_error("UAV_TRUTH does not hold the aircraft of the scenario");
 }
 
+StereoShutterTimes SceneGeometry::ShutterOf(const world_truth_t& world, std::size_t observer,
+                                            double left_duration_s, double right_duration_s) const {
+  return ShutterTimesAt(exposure_, left_duration_s, right_duration_s, height_px_, seed_,
+                        fmt::format("uav{}", observers_[observer].id), world.utime);
+}
+
 annotation_t SceneGeometry::Annotate(const world_truth_t& world, std::size_t observer) const {
+  const double nominal_s = exposure_.duration_ms * 1e-3;
+  return Annotate(world, observer, ShutterOf(world, observer, nominal_s, nominal_s));
+}
+
+annotation_t SceneGeometry::Annotate(const world_truth_t& world, std::size_t observer,
+                                     const StereoShutterTimes& shutter) const {
   const ObserverRig& rig = observers_[observer];
   const Eigen::Isometry3d X_RW = (PoseAt(world.uavs[rig.position], 0) * rig.X_BR).inverse();
-  const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, 0);
-  const Eigen::Isometry3d X_LW = cameras.X_WL.inverse(), X_RightW = cameras.X_WR.inverse();
+  const StereoRowCameras cameras =
+      CamerasByRows(world, rig.position, rig.X_BR, rig.motion, shutter, height_px_, 0);
   annotation_t annotation{};
   annotation.utime = world.utime;
   annotation.observer_id = rig.id;
@@ -68,15 +83,15 @@ annotation_t SceneGeometry::Annotate(const world_truth_t& world, std::size_t obs
     if (i == rig.position) continue;
     target_annotation_t target{};
     target.target_id = ids_[i];
-    const Eigen::Isometry3d X_WT = PoseAt(world.uavs[i], 0);
-    const Eigen::Vector3d p_RT_m = X_RW * X_WT.translation();
+    const Eigen::Vector3d p_RT_m = X_RW * PoseAt(world.uavs[i], 0).translation();
     Eigen::Map<Eigen::Vector3d>(target.p_RT_m) = p_RT_m;
     target.range_m = p_RT_m.norm();
     target.depth_m = p_RT_m.z();
     const std::vector<Eigen::Vector3d>& outline_B = shapes_[i]->outline_B;
-    target.left = ViewFromGeometry(outline_B, X_LW * X_WT, cameras.left, width_px_, height_px_);
-    target.right =
-        ViewFromGeometry(outline_B, X_RightW * X_WT, cameras.right, width_px_, height_px_);
+    target.left = ViewFromGeometry(outline_B, PosesOf(cameras.left, world.uavs[i]),
+                                   cameras.left.camera, width_px_, height_px_);
+    target.right = ViewFromGeometry(outline_B, PosesOf(cameras.right, world.uavs[i]),
+                                    cameras.right.camera, width_px_, height_px_);
     annotation.targets.push_back(target);
   }
   annotation.n_targets = static_cast<std::int32_t>(annotation.targets.size());

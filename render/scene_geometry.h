@@ -41,11 +41,21 @@ class SceneGeometry {
   /// @throws std::runtime_error if `world` does not hold the scenario's aircraft in its order.
   void CheckWorld(const world_truth_t& world) const;
 
-  /// The truth about every other aircraft as `Observers()[observer]` sees it at the world's
-  /// utime, as if nothing hid anything (ViewFromGeometry).
+  /// When the cameras of `Observers()[observer]` take the frame of the world's utime.
+  StereoShutterTimes ShutterOf(const world_truth_t& world, std::size_t observer,
+                               double left_duration_s, double right_duration_s) const;
+
+  /// The truth about every other aircraft at the world's utime, and the boxes as the cameras of
+  /// `Observers()[observer]` see them when `shutter` exposes them, as if nothing hid anything
+  /// (ViewFromGeometry).
+  annotation_t Annotate(const world_truth_t& world, std::size_t observer,
+                        const StereoShutterTimes& shutter) const;
+  /// The same for exposures of the nominal duration.
   annotation_t Annotate(const world_truth_t& world, std::size_t observer) const;
 
  private:
+  ExposureConfig exposure_;
+  std::uint64_t seed_;
   std::vector<int> ids_;
   int width_px_, height_px_;
   std::vector<std::shared_ptr<const AircraftShape>> shapes_;  ///< One an aircraft.

@@ -77,7 +77,11 @@ void WriteSnapshot(const Scenario& scenario, const world_truth_t& world, int thr
   StereoRenderer renderer(scenario, {observers.front()}, threads);
   const auto tick =
       static_cast<int>(std::lround(SecondsFromUtime(world.utime) * scenario.frame_rate_hz));
-  const std::vector<RenderedPair> pairs = renderer.Render(world, tick);
+  std::vector<RenderedPair> pairs = renderer.Render(world, tick);
+  if (scenario.exposure.auto_exposure.mode != AutoExposureMode::kOff) {
+    constexpr int kSettlingFrames = 20;
+    for (int i = 0; i < kSettlingFrames; ++i) pairs = renderer.Render(world, tick);
+  }
   std::filesystem::create_directories(out);
   const FrameFormat format = FrameFormatOf(scenario.sensor);
   WriteImage(AsReceived(pairs[0].left, format), out / "left.png");

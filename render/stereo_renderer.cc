@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "render/annotator.h"
+#include "render/auto_exposure.h"
 #include "render/eye_image.h"
 #include "render/parallel_for.h"
 
@@ -24,21 +26,31 @@ bool IsInImage(const target_view_t& view) { return view.visible.w_px > 0 && view
 
 /// One camera of one observer during one frame.
 struct StereoRenderer::Eye {
+  explicit Eye(const ExposureConfig& config)
+      : exposure(config.auto_exposure, config.duration_ms * 1e-3) {}
+
   int index = 0;  ///< 0 left, 1 right.
   Observer* observer = nullptr;
   std::optional<RayGrid> rays;
   AnyCamera camera;
-  std::vector<Eigen::Isometry3d> X_WC;           ///< One a sub-exposure.
-  std::vector<Eigen::Matrix3d> R_WC_background;  ///< One a sub-exposure of the background.
+  AutoExposure exposure;
+  ExposureSetting setting{};
+  ExposurePlan plan;
+  std::vector<RowCameras> cameras;                            ///< One a sub-exposure.
+  std::vector<std::vector<Eigen::Matrix3d>> R_WC_background;  ///< Likewise, of the background.
+  std::optional<PointSpread> background_spread;
+  std::vector<std::uint16_t> shading;
   std::vector<WarpGrid> warps;
   std::vector<BackgroundShare> backgrounds;
   std::vector<std::uint16_t> linear;  ///< Linear light of the image in the making.
+  std::vector<std::uint16_t> sharp;   ///< The surroundings as a perfect lens shows them.
   std::vector<TargetLayer> layers;    ///< Far to near.
 };
 
 struct StereoRenderer::Observer {
-  Observer(const ObserverRig& observer_rig, std::size_t observer_index)
-      : rig(observer_rig), index(observer_index) {
+  Observer(const ObserverRig& observer_rig, std::size_t observer_index,
+           const ExposureConfig& exposure)
+      : rig(observer_rig), index(observer_index), eyes{Eye(exposure), Eye(exposure)} {
     eyes[1].index = 1;
     for (Eye& eye : eyes) eye.observer = this;
   }
@@ -57,7 +69,7 @@ struct StereoRenderer::Observer {
   MapWindow window;
 
   // Of the frame being rendered.
-  ExposurePlan plan;
+  StereoShutterTimes shutter;
   Chart chart{};
   double u_near = 0;
   annotation_t annotation{};
@@ -80,39 +92,69 @@ StereoRenderer::StereoRenderer(const Scenario& scenario, const std::vector<int>&
     models_.try_emplace(&shape, shape.model, shape.radius_m);
   }
   for (std::size_t i = 0; i < geometry_.Observers().size(); ++i) {
-    observers_.push_back(std::make_unique<Observer>(geometry_.Observers()[i], i));
+    observers_.push_back(
+        std::make_unique<Observer>(geometry_.Observers()[i], i, scenario.exposure));
   }
 }
 
 StereoRenderer::~StereoRenderer() = default;
 
-// Everything of a frame that both eyes share.
+// Everything of a frame but its pixels.
 void StereoRenderer::PlanObserver(const world_truth_t& world, Observer* observer) const {
   const ObserverRig& rig = observer->rig;
-  observer->annotation = geometry_.Annotate(world, observer->index);
-  const double focal_px = scenario_.rig.calibrated.FocalPx();
-  observer->plan = PlanExposure(scenario_.exposure, world, rig.position, rig.motion, focal_px);
+  for (Eye& eye : observer->eyes) {
+    const bool is_led = scenario_.exposure.auto_exposure.mode == AutoExposureMode::kShared;
+    eye.setting = observer->eyes[is_led ? 0 : eye.index].exposure.Setting();
+  }
+  observer->shutter =
+      geometry_.ShutterOf(world, observer->index, observer->eyes[0].setting.duration_s,
+                          observer->eyes[1].setting.duration_s);
+  observer->annotation = geometry_.Annotate(world, observer->index, observer->shutter);
   const Eigen::Vector3d axis_W = (PoseAt(world.uavs[rig.position], 0) * rig.X_BR).linear().col(2);
   observer->chart = ChartFor(axis_W);
   observer->u_near = map_.PlaceOf(axis_W, observer->chart).x();
-  for (Eye& eye : observer->eyes) {
-    eye.X_WC.clear();
-    eye.R_WC_background.clear();
-  }
-  for (const ExposureNode& node : observer->plan.background) {
-    const WorldCameras cameras =
-        CamerasAt(world, rig.position, rig.X_BR, rig.motion, node.offset_s);
-    observer->eyes[0].R_WC_background.push_back(cameras.X_WL.linear());
-    observer->eyes[1].R_WC_background.push_back(cameras.X_WR.linear());
-  }
-  for (const double dt_s : observer->plan.offsets_s) {
-    const WorldCameras cameras = CamerasAt(world, rig.position, rig.X_BR, rig.motion, dt_s);
-    observer->eyes[0].camera = cameras.left;
-    observer->eyes[1].camera = cameras.right;
-    observer->eyes[0].X_WC.push_back(cameras.X_WL);
-    observer->eyes[1].X_WC.push_back(cameras.X_WR);
-  }
+  PlaceEyes(world, observer);
   SortFarToNear(observer);
+}
+
+// Where the cameras are during their sub-exposures, which are the same for both where they expose
+// equally long.
+void StereoRenderer::PlaceEyes(const world_truth_t& world, Observer* observer) const {
+  const ObserverRig& rig = observer->rig;
+  const double focal_px = scenario_.rig.calibrated.FocalPx();
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  auto& eyes = observer->eyes;
+  const bool is_alike = eyes[0].setting.duration_s == eyes[1].setting.duration_s;
+  for (Eye& eye : eyes) {
+    eye.cameras.clear();
+    eye.R_WC_background.clear();
+    eye.plan = is_alike && eye.index == 1 ? eyes[0].plan
+                                          : PlanExposure(scenario_.exposure, eye.setting.duration_s,
+                                                         world, rig.position, rig.motion, focal_px);
+  }
+  const auto cameras_at = [&, height = height_px](double offset_s) {
+    return CamerasByRows(world, rig.position, rig.X_BR, rig.motion, observer->shutter, height,
+                         offset_s);
+  };
+  const auto orientations = [](const RowCameras& cameras) {
+    std::vector<Eigen::Matrix3d> R_WC;
+    for (const Eigen::Isometry3d& X_WC : cameras.X_WC) R_WC.push_back(X_WC.linear());
+    return R_WC;
+  };
+  for (std::size_t lead = 0; lead < (is_alike ? 1u : 2u); ++lead) {
+    const bool left = lead == 0, right = lead == 1 || is_alike;
+    for (const ExposureNode& node : eyes[lead].plan.background) {
+      const StereoRowCameras cameras = cameras_at(node.offset_s);
+      if (left) eyes[0].R_WC_background.push_back(orientations(cameras.left));
+      if (right) eyes[1].R_WC_background.push_back(orientations(cameras.right));
+    }
+    for (const double offset_s : eyes[lead].plan.offsets_s) {
+      const StereoRowCameras cameras = cameras_at(offset_s);
+      if (left) eyes[0].cameras.push_back(cameras.left);
+      if (right) eyes[1].cameras.push_back(cameras.right);
+    }
+  }
+  for (Eye& eye : eyes) eye.camera = eye.cameras.front().camera;
 }
 
 void StereoRenderer::SortFarToNear(Observer* observer) const {
@@ -129,9 +171,13 @@ void StereoRenderer::SortFarToNear(Observer* observer) const {
 
 void StereoRenderer::PrepareEye(Eye* eye) const {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
-  if (!eye->rays) eye->rays.emplace(eye->camera, width_px, height_px);
+  if (!eye->rays) {
+    eye->rays.emplace(eye->camera, width_px, height_px);
+    eye->shading = ShadingOf(*eye->rays, scenario_.optics);
+    eye->background_spread = SpreadAt(std::numeric_limits<double>::infinity(), *eye);
+  }
   eye->warps.clear();
-  for (const Eigen::Matrix3d& R_WC : eye->R_WC_background) {
+  for (const std::vector<Eigen::Matrix3d>& R_WC : eye->R_WC_background) {
     eye->warps.push_back(
         MakeWarpGrid(*eye->rays, R_WC, map_, eye->observer->chart, eye->observer->u_near));
   }
@@ -176,15 +222,20 @@ void StereoRenderer::DrawTargets(const world_truth_t& world, Eye* eye, TargetPas
   for (std::size_t k = 0; k < eye->layers.size(); ++k) {
     if (observer.shaded[k].model == nullptr) continue;
     const uav_truth_t& truth = world.uavs[observer.far_to_near[k]];
-    std::vector<Eigen::Isometry3d> X_CB;
-    for (std::size_t n = 0; n < eye->X_WC.size(); ++n) {
-      X_CB.push_back(eye->X_WC[n].inverse() * PoseAt(truth, observer.plan.offsets_s[n]));
-    }
-    eye->layers[k] = pass->Draw(observer.shaded[k], eye->camera, width_px, height_px, X_CB);
+    std::vector<RowPoses> X_CB;
+    for (const RowCameras& cameras : eye->cameras) X_CB.push_back(PosesOf(cameras, truth));
+    eye->layers[k] = pass->Draw(observer.shaded[k], eye->camera, width_px, height_px,
+                                std::span<const RowPoses>(X_CB));
   }
   for (std::size_t k = 0; k < eye->layers.size(); ++k) {
     target_view_t& view = observer.ViewOf(observer.far_to_near[k], *eye);
     if (view.in_front != 0) SetVisibility(eye->layers, k, &view);
+  }
+  if (scenario_.optics.f_number == 0) return;
+  for (std::size_t k = 0; k < eye->layers.size(); ++k) {
+    const double distance_m = observer.TargetAt(observer.far_to_near[k]).depth_m;
+    eye->layers[k] =
+        SpreadLayer(eye->layers[k], SpreadAt(std::max(distance_m, 0.1), *eye), width_px, height_px);
   }
 }
 
@@ -194,7 +245,7 @@ void StereoRenderer::PlaceBackgrounds(Eye* eye) const {
   for (std::size_t n = 0; n < eye->warps.size(); ++n) {
     eye->backgrounds.push_back(
         {BackgroundWarp(*eye->rays, eye->warps[n], map_, eye->observer->window),
-         eye->observer->plan.background[n].share});
+         eye->plan.background[n].share});
   }
   eye->linear.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px) * 3);
 }
@@ -225,6 +276,54 @@ void StereoRenderer::DrawParts(const world_truth_t& world) {
       });
 }
 
+// What a camera makes of points at a distance.
+PointSpread StereoRenderer::SpreadAt(double distance_m, const Eye& eye) const {
+  const OpticsConfig& optics = scenario_.optics;
+  if (optics.f_number == 0) return PointSpread(0, 0);
+  const double px_per_m = 1e6 / scenario_.rig.calibrated.pixel_um;
+  const double focal_m = scenario_.rig.calibrated.focal_mm * 1e-3;
+  const double focus_m = optics.FocusOf(eye.index == 0 ? optics.left : optics.right);
+  return PointSpread(DiffractionSigma_m(optics.f_number) * px_per_m,
+                     DefocusDiameter_m(focal_m, optics.f_number, focus_m, distance_m) * px_per_m);
+}
+
+// Needs all rows of the sharp image.
+void StereoRenderer::SpreadBackgrounds() {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  const int n_eyes = 2 * static_cast<int>(observers_.size());
+  if (scenario_.optics.f_number == 0) return;
+  for (int i = 0; i < n_eyes; ++i) {
+    Eye* eye = EyeOf(i);
+    std::swap(eye->linear, eye->sharp);
+    eye->linear.resize(eye->sharp.size());
+  }
+  ParallelFor(n_eyes * kBands, threads_, [&, width = width_px, height = height_px](int task, int) {
+    Eye* eye = EyeOf(task / kBands);
+    const RowBand band = BandOf(task % kBands, height);
+    for (int y = band.y0; y < band.y1; ++y) {
+      SpreadRow({eye->sharp.data(), width, height, 3}, *eye->background_spread, y,
+                eye->linear.data() + static_cast<std::ptrdiff_t>(y) * width * 3);
+    }
+  });
+}
+
+Shot StereoRenderer::ShotOf(const Eye& eye, int tick) const {
+  const double nominal_s = scenario_.exposure.duration_ms * 1e-3;
+  return {.key = {scenario_.random_seed, eye.observer->rig.id, eye.index, tick},
+          .exposure_s = eye.setting.duration_s,
+          .brightness = eye.setting.duration_s / nominal_s,
+          .gain = eye.setting.gain};
+}
+
+// Cameras go by the images that they gave; a rehearsal (tick -1) leaves no trace.
+void StereoRenderer::Adapt(const std::vector<RenderedPair>& pairs, int tick) {
+  if (tick < 0 || scenario_.exposure.auto_exposure.mode == AutoExposureMode::kOff) return;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    observers_[i]->eyes[0].exposure.Observe(sensor_.MeanLight(pairs[i].left));
+    observers_[i]->eyes[1].exposure.Observe(sensor_.MeanLight(pairs[i].right));
+  }
+}
+
 StereoRenderer::Eye* StereoRenderer::EyeOf(int index) {
   return &observers_[static_cast<std::size_t>(index / 2)]
               ->eyes[static_cast<std::size_t>(index % 2)];
@@ -242,19 +341,20 @@ std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int
   ParallelFor(n_observers, threads_,
               [&](int i, int) { ShadeTargets(world, EyeOf(2 * i)->observer); });
   DrawParts(world);
+  SpreadBackgrounds();
   std::vector<RenderedPair> pairs;
   for (const auto& observer : observers_) {
-    pairs.push_back(
-        {RgbImage(width_px, height_px), RgbImage(width_px, height_px), observer->annotation});
+    pairs.push_back({RgbImage(width_px, height_px), RgbImage(width_px, height_px),
+                     observer->annotation, observer->eyes[0].setting.duration_s});
   }
   ParallelFor(2 * n_observers * kBands, threads_, [&, height = height_px](int task, int) {
     Eye* eye = EyeOf(task / kBands);
     RenderedPair& pair = pairs[static_cast<std::size_t>(task / kBands / 2)];
-    const Shot shot{.key = {scenario_.random_seed, eye->observer->rig.id, eye->index, tick},
-                    .exposure_s = scenario_.exposure.duration_ms * 1e-3};
-    ComposeRows(eye->layers, sensor_, shot, BandOf(task % kBands, height), eye->linear.data(),
+    ComposeRows(eye->layers, eye->shading, sensor_, ShotOf(*eye, tick),
+                BandOf(task % kBands, height), eye->linear.data(),
                 eye->index == 0 ? &pair.left : &pair.right);
   });
+  Adapt(pairs, tick);
   return pairs;
 }
 

@@ -11,6 +11,7 @@
 #include "render/background.h"
 #include "render/environment.h"
 #include "render/motion.h"
+#include "render/point_spread.h"
 #include "render/prepared_model.h"
 #include "render/scene_geometry.h"
 #include "render/sensor.h"
@@ -23,14 +24,15 @@ namespace windhover {
 struct RenderedPair {
   RgbImage left, right;
   annotation_t annotation;
+  double exposure_s;  ///< Of the left camera.
 };
 
 /// What the true stereo rigs of a scenario's aircraft see.
 ///
 /// Targets hide each other by distance: the nearer aircraft as a whole is in front.
 ///
-/// A frame is a function of scenario, world, tick and observer: neither earlier frames nor the
-/// number of threads change a bit of it.
+/// A frame is a function of scenario, world, tick and observer: the number of threads does not
+/// change a bit of it, nor do earlier frames unless exposure is automatic.
 class StereoRenderer {
  public:
   /// `observers`: positions in scenario.aircraft of the aircraft whose rigs will be rendered.
@@ -47,13 +49,18 @@ class StereoRenderer {
   struct Eye;
 
   void PlanObserver(const world_truth_t& world, Observer* observer) const;
+  void PlaceEyes(const world_truth_t& world, Observer* observer) const;
   void SortFarToNear(Observer* observer) const;
   void PrepareEye(Eye* eye) const;
   void CoverViews(Observer* observer);
   void ShadeTargets(const world_truth_t& world, Observer* observer) const;
   void DrawTargets(const world_truth_t& world, Eye* eye, TargetPass* pass) const;
   void PlaceBackgrounds(Eye* eye) const;
+  void SpreadBackgrounds();
+  void Adapt(const std::vector<RenderedPair>& pairs, int tick);
   void DrawParts(const world_truth_t& world);
+  PointSpread SpreadAt(double distance_m, const Eye& eye) const;
+  Shot ShotOf(const Eye& eye, int tick) const;
   Eye* EyeOf(int index);  ///< 2 · observer, and one more for the right.
 
   const Scenario scenario_;

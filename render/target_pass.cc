@@ -31,15 +31,16 @@ int SamplesFor(double extent_px, std::size_t drawings) {
   return std::max(2, static_cast<int>(shared));
 }
 
-ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const Eigen::Isometry3d& X_CB) {
+ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB) {
   constexpr double kNear_m = 0.05;
   ProjectedMesh projected;
   projected.vertices.reserve(mesh.positions.size());
   bool all_valid = true;
   camera.Visit([&](const auto& model) {
     for (const Eigen::Vector3f& p_B : mesh.positions) {
-      const Eigen::Vector3d p_C = X_CB * p_B.cast<double>();
-      const auto q_px = p_C.z() > kNear_m ? model.Project(p_C) : std::nullopt;
+      Eigen::Vector3d p_C;
+      auto q_px = ProjectByRows(model, X_CB, p_B.cast<double>(), &p_C);
+      if (!(p_C.z() > kNear_m)) q_px.reset();
       all_valid = all_valid && q_px.has_value();
       projected.vertices.push_back(q_px ? ImageVertex{q_px->x(), q_px->y(), 1 / p_C.z(), true}
                                         : ImageVertex{});
@@ -174,17 +175,18 @@ std::vector<SampleShift> InSamples(const ImageMotion& motion, int samples_per_px
 
 // Relative to the middle pose. Infinite if the lens does not see all of the target.
 ImageMotion MotionOf(const Eigen::AlignedBox3f& box, const AnyCamera& camera,
-                     std::span<const Eigen::Isometry3d> X_CB) {
+                     std::span<const RowPoses> X_CB) {
   constexpr int kCorners = 8;
-  const Eigen::Isometry3d& X_CB_middle = X_CB[X_CB.size() / 2];
+  const RowPoses& X_CB_middle = X_CB[X_CB.size() / 2];
   ImageMotion motion;
-  for (const Eigen::Isometry3d& pose : X_CB) {
+  for (const RowPoses& pose : X_CB) {
     std::vector<Eigen::Vector2d> moves;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (int i = 0; i < kCorners; ++i) {
       const Eigen::Vector3d p_B =
           box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i)).cast<double>();
-      const auto from = camera.Project(X_CB_middle * p_B), to = camera.Project(pose * p_B);
+      const auto from = ProjectByRows(camera, X_CB_middle, p_B);
+      const auto to = ProjectByRows(camera, pose, p_B);
       if (!from || !to) return {{}, std::numeric_limits<double>::infinity()};
       moves.push_back(*to - *from);
       mean += moves.back() / kCorners;
@@ -291,18 +293,17 @@ TargetPass::TargetPass(std::unique_ptr<GlContext> context, double max_blur_px)
 TargetPass::~TargetPass() = default;
 
 TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px,
-                             int height_px, std::span<const Eigen::Isometry3d> X_CB) {
+                             int height_px, std::span<const RowPoses> X_CB) {
   constexpr double kMaxShift_px = 128;
   const ImageMotion motion = MotionOf(target.level->box, camera, X_CB);
   // A short exposure moves the image as a whole: one drawing serves all sub-exposures. What is
   // left goes from -residual to +residual, so that its mean is in the drawing.
   const bool is_shift =
       2 * motion.residual_px <= max_blur_px_ && motion.LargestShiftPx() <= kMaxShift_px;
-  const std::span<const Eigen::Isometry3d> drawn =
-      is_shift ? X_CB.subspan(X_CB.size() / 2, 1) : X_CB;
+  const std::span<const RowPoses> drawn = is_shift ? X_CB.subspan(X_CB.size() / 2, 1) : X_CB;
   std::vector<Drawing> drawings;
   Bounds bounds;
-  for (const Eigen::Isometry3d& pose : drawn) {
+  for (const RowPoses& pose : drawn) {
     drawings.push_back({Project(target.level->body, camera, pose),
                         Project(target.level->discs, camera, pose),
                         {SampleShift{}}});

@@ -11,6 +11,7 @@
 #include "camera/any_camera.h"
 #include "render/gl_context.h"
 #include "render/prepared_model.h"
+#include "render/row_poses.h"
 
 namespace windhover {
 
@@ -23,12 +24,16 @@ struct PixelRect {
 /// One target as one camera sees it during one exposure, without the others.
 struct TargetLayer {
   PixelRect roi;
+  PixelRect spread_roi;  ///< Of `pixels`, where a lens spread them beyond the samples; else empty.
   /// Linear light times coverage (65535 is white) and coverage; mean over the exposure.
   std::vector<std::array<std::uint16_t, 4>> pixels;
   /// Samples of the middle of the exposure, samples_per_px² a pixel, rows from the top.
   int samples_per_px = 1;
   enum class Sample : std::uint8_t { kEmpty, kTranslucent, kOpaque };
   std::vector<Sample> samples;
+
+  /// Where `pixels` are.
+  const PixelRect& PixelRegion() const { return spread_roi.IsEmpty() ? roi : spread_roi; }
 
   Sample SampleAt(double x_px, double y_px) const;
 };
@@ -44,12 +49,18 @@ class TargetPass {
   ~TargetPass();
   TargetPass(const TargetPass&) = delete;
 
-  /// Draws `target` from the poses `X_CB` (sub-exposures; the middle one is the middle of the
-  /// exposure) into an image of width × height px. Where its parts move against each other by no
-  /// more than max_blur_px, it is drawn once and its samples are moved by whole samples.
+  /// Draws `target` from the poses `X_CB` (sub-exposures, row by row; the middle one is the middle
+  /// of the exposure) into an image of width × height px. Where its parts move against each other
+  /// by no more than max_blur_px, it is drawn once and its samples are moved by whole samples.
   /// @return an empty layer if the target is not in the image.
   TargetLayer Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px, int height_px,
-                   std::span<const Eigen::Isometry3d> X_CB);
+                   std::span<const RowPoses> X_CB);
+  /// The same for a global shutter.
+  TargetLayer Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px, int height_px,
+                   std::span<const Eigen::Isometry3d> X_CB) {
+    const std::vector<RowPoses> poses(X_CB.begin(), X_CB.end());
+    return Draw(target, camera, width_px, height_px, std::span<const RowPoses>(poses));
+  }
 
  private:
   struct Gl;

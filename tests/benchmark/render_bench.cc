@@ -90,10 +90,10 @@ void BM_VibratingPair(benchmark::State& state) {
     world_truth_t world = WorldAt(i % kPoses);
     world.utime = 50'000 * i;
     benchmark::DoNotOptimize(renderer.Render(world, i++));
-    exposures += static_cast<double>(PlanExposure(scenario.exposure, world, 0,
-                                                  geometry.Observers()[0].motion,
-                                                  scenario.rig.calibrated.FocalPx())
-                                         .offsets_s.size());
+    exposures += static_cast<double>(
+        PlanExposure(scenario.exposure, scenario.exposure.duration_ms * 1e-3, world, 0,
+                     geometry.Observers()[0].motion, scenario.rig.calibrated.FocalPx())
+            .offsets_s.size());
   }
   state.counters["exposures"] = exposures / static_cast<double>(state.iterations());
 }

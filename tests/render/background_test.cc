@@ -66,7 +66,7 @@ Frame Draw(const Environment& world, const Eigen::Matrix3d& R, int extra_texels 
   RadianceMap map(world, kFocal_px);
   const Chart chart = ChartFor(R.col(2));
   const RayGrid grid(Camera(), kWidth_px, kHeight_px);
-  const WarpGrid warp = MakeWarpGrid(grid, R, map, chart, map.PlaceOf(R.col(2), chart).x());
+  const WarpGrid warp = MakeWarpGrid(grid, {R}, map, chart, map.PlaceOf(R.col(2), chart).x());
   MapWindow window;
   map.Cover(chart, static_cast<int>(warp.u_min) - 2 - extra_texels,
             static_cast<int>(warp.u_max) + 2, static_cast<int>(warp.v_min) - 2 - extra_texels,
