@@ -31,8 +31,9 @@ Json Rows(const std::string& name, const std::vector<std::string>& methods, int 
   options.n_seeds = n_seeds;
   options.scratch = folder.path();
   options.scenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios";
+  const Json result = Reproduce(table, options);
   Json rows = Json::object();
-  for (const Json& row : Reproduce(table, options)["rows"]) rows[row["method"]] = row;
+  for (const Json& row : result["rows"]) rows[row["method"].get<std::string>()] = row;
   return rows;
 }
 
@@ -40,23 +41,25 @@ double Of(const Json& rows, const std::string& method, const char* key) {
   return rows.at(method).at("test").at(key).get<double>();
 }
 
-// Limits around the paper's numbers. The mean over two data sets is known to about 0.01 (spread
-// of one: 0.013), so that a limit of 0.03 holds where the model does.
+// Limits around the paper's numbers are for the mean over many data sets. Data sets differ by 0.02
+// and 0.43 of Abs Rel and Sq Rel (docs/physics.md, over twelve), so two know the mean to these:
+constexpr double kAbsRelError = 0.02 / 1.414, kSqRelError = 0.43 / 1.414;
+
 TEST(Reproduce, OneOffsetMakesThePapersBaselineBehindBothLenses) {
   const std::string paper_noise = "baseline, 12 mm", nominal = "baseline, 12 mm, nominal noise",
                     longer = "baseline, 16 mm";
   const Json rows = Rows("lenses", {paper_noise, nominal, longer}, 2);
   for (const std::string& method : {paper_noise, nominal}) {
     SCOPED_TRACE(method);
-    EXPECT_NEAR(Of(rows, method, "abs_rel"), 0.494, 0.03);
-    EXPECT_NEAR(Of(rows, method, "sq_rel"), 6.8, 0.8);
-    EXPECT_NEAR(Of(rows, method, "lt20"), 0.375, 0.03);
-    EXPECT_NEAR(Of(rows, method, "gt20"), 0.628, 0.03);
+    EXPECT_NEAR(Of(rows, method, "abs_rel"), 0.494, 0.03 + kAbsRelError);
+    EXPECT_NEAR(Of(rows, method, "sq_rel"), 6.8, 0.8 + kSqRelError);
+    EXPECT_NEAR(Of(rows, method, "lt20"), 0.375, 0.03 + kAbsRelError);
+    EXPECT_NEAR(Of(rows, method, "gt20"), 0.628, 0.03 + kAbsRelError);
     EXPECT_GE(Of(rows, method, "under_estimated"), 0.99);
-    EXPECT_NEAR(rows[method]["val"]["abs_rel"].get<double>(), 0.490, 0.03);
+    EXPECT_NEAR(rows[method]["val"]["abs_rel"].get<double>(), 0.490, 0.03 + kAbsRelError);
   }
-  EXPECT_NEAR(Of(rows, longer, "abs_rel"), 0.43, 0.03);
-  EXPECT_NEAR(Of(rows, longer, "sq_rel"), 5.1, 0.7);
+  EXPECT_NEAR(Of(rows, longer, "abs_rel"), 0.43, 0.03 + kAbsRelError);
+  EXPECT_NEAR(Of(rows, longer, "sq_rel"), 5.1, 0.7 + kSqRelError);
   EXPECT_EQ(rows[paper_noise]["paper"]["test"]["abs_rel"], 0.494);
   EXPECT_EQ(rows[nominal]["test"]["ci95"]["abs_rel"].size(), 2U);
 }
