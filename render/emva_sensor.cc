@@ -22,8 +22,9 @@ std::uint32_t KeyOf(std::uint64_t key, std::uint32_t purpose) {
 }
 
 // Standard normal values, each the sum of eight uniform bytes: kurtosis -0.15, never beyond 4.9.
-__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void FillNormal(
-    std::uint32_t key0, std::uint32_t key1, int count, float* values) {
+__attribute__((target_clones("default", "avx2"))) void FillNormal(std::uint32_t key0,
+                                                                  std::uint32_t key1, int count,
+                                                                  float* values) {
   constexpr float kMean = 1020, kPerSigma = 1 / 209.022f;
   for (int i = 0; i < count; ++i) {
     std::uint32_t h = (static_cast<std::uint32_t>(i) * 0x9e3779b9u) ^ key0;
@@ -66,9 +67,10 @@ struct Readout {
 };
 
 // `electrons` collected, `dark_e` read with them.
-__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void ReadOut(
-    const Readout& readout, const float* electrons, const float* dark_e, int count,
-    std::uint16_t* values) {
+__attribute__((target_clones("default", "avx2"))) void ReadOut(const Readout& readout,
+                                                               const float* electrons,
+                                                               const float* dark_e, int count,
+                                                               std::uint16_t* values) {
   const Readout r = readout;
   for (int i = 0; i < count; ++i) {
     const float collected = electrons[i] < r.full_well_e ? electrons[i] : r.full_well_e;
