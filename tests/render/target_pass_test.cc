@@ -92,6 +92,7 @@ class Silhouette : public testing::TestWithParam<double> {};
 
 // V3.5: the box of the drawn samples is that of the projected vertices, to the sample spacing:
 // half a sample is lost where a corner passes between sample centres.
+// V3.5
 TEST_P(Silhouette, IsWhereVerticesAreProjected) {
   const double depth_m = GetParam();
   const AircraftModel m200 = MakeM200(true);
@@ -160,6 +161,7 @@ TEST(PreparedModel, EdgesAreShortEnoughForTheLens) {
   }
 }
 
+// V3.6: the blurred target is wider by its motion, and its centre that of the middle pose.
 TEST(TargetPass, SubExposuresMeanMotion) {
   const PreparedModel model(MakeM200(true), 0.7);
   TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
