@@ -61,6 +61,7 @@ int CountNormalsAgainstWinding(const Mesh& mesh) {
   return count;
 }
 
+// V7.1; V7.4: the middle of the box is the origin of B, which ranges and labels refer to.
 TEST(M200, HasThePublishedDimensions) {
   const Eigen::AlignedBox3f box = WholeBox(MakeM200(true));
   EXPECT_NEAR(box.sizes().x(), 0.887f, kTolerance_m);
@@ -69,6 +70,7 @@ TEST(M200, HasThePublishedDimensions) {
   EXPECT_LT(box.center().norm(), kTolerance_m);
 }
 
+// V7.1, V7.4.
 TEST(P600, HasTheMeasuredDimensions) {
   const AircraftModel p600 = MakeP600();
   const Eigen::AlignedBox3f body = BoundingBox(p600.body), discs = BoundingBox(p600.rotor_discs);
@@ -90,6 +92,7 @@ class OwnModel : public testing::TestWithParam<AircraftType> {
   const AircraftModel model_ = MakeAircraftModel(OfType(GetParam()));
 };
 
+// V7.2.
 TEST_P(OwnModel, IsWatertight) { EXPECT_EQ(CountOpenEdges(model_.body), 0); }
 
 TEST_P(OwnModel, StaysWatertightWithShortEdges) {
@@ -103,6 +106,7 @@ TEST_P(OwnModel, StaysWatertightWithShortEdges) {
   }
 }
 
+// V7.2.
 TEST_P(OwnModel, FacesOutward) {
   EXPECT_GT(SignedVolume_m3(model_.body), 1e-3);
   EXPECT_EQ(CountNormalsAgainstWinding(model_.body), 0);
