@@ -11,7 +11,8 @@ namespace windhover {
 namespace {
 
 RenderedPair PairAt(Utime utime) {
-  RenderedPair pair{RgbImage(16, 8), RgbImage(16, 8), {}};
+  RenderedPair pair{};
+  pair.left = pair.right = RgbImage(16, 8);
   pair.annotation.utime = utime;
   pair.annotation.observer_id = 4;
   return pair;
