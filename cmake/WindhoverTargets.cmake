@@ -22,6 +22,18 @@ if(WINDHOVER_SANITIZE)
   target_link_options(windhover_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
+# Headers that many files include, parsed once for all of them: a third of a build. Sources still
+# include what they use; the preset release builds without (CMAKE_DISABLE_PRECOMPILE_HEADERS) and
+# finds what is missing.
+function(windhover_precompile name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;USES")
+  set(source ${PROJECT_BINARY_DIR}/generated/${name}.cc)
+  file(CONFIGURE OUTPUT ${source} CONTENT "// Only its headers count.\n")
+  add_library(${name} OBJECT ${source})
+  target_link_libraries(${name} PRIVATE windhover_flags ${arg_USES})
+  target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
+endfunction()
+
 # windhover_library(camera SOURCES a.cc ... USES windhover::common Eigen3::Eigen ...)
 # Always name what you use with `::`, so that a misspelt target stops the configure step
 # instead of becoming a linker flag.
@@ -30,6 +42,7 @@ function(windhover_library name)
   add_library(windhover_${name} STATIC ${arg_SOURCES})
   add_library(windhover::${name} ALIAS windhover_${name})
   target_link_libraries(windhover_${name} PUBLIC windhover_flags ${arg_USES})
+  target_precompile_headers(windhover_${name} REUSE_FROM windhover_headers)
 endfunction()
 
 # windhover_header_library(camera USES ...): a folder of headers only.
@@ -46,19 +59,8 @@ function(windhover_program name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;USES")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE windhover_flags ${arg_USES})
+  target_precompile_headers(${name} REUSE_FROM windhover_headers)
   add_test(NAME smoke.${name}.help COMMAND ${name} --help)
-endfunction()
-
-# What every test includes, parsed once: half of a test's compile time. (Tests that define macros
-# of their own stay valid users as long as these headers do not read them.)
-function(windhover_precompile_test_headers)
-  set(source ${PROJECT_BINARY_DIR}/generated/test_headers.cc)
-  file(CONFIGURE OUTPUT ${source} CONTENT "// Only its headers count.\n")
-  add_library(windhover_test_headers OBJECT ${source})
-  target_link_libraries(windhover_test_headers
-    PRIVATE windhover_flags Eigen3::Eigen GTest::gmock GTest::gtest_main)
-  target_precompile_headers(windhover_test_headers
-    PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry>)
 endfunction()
 
 # windhover_test(camera_model_test USES windhover::camera), in tests/camera/CMakeLists.txt:
