@@ -143,8 +143,10 @@ std::string JsonList(const Json& json) {
 std::string TimingHtml(Json timing) {
   if (!timing.is_object() || timing.empty()) return "";
   std::string rows;
-  for (const auto& [process, stages] : timing.value("stages", Json::object()).items()) {
+  const Json stages_of = timing.value("stages", Json::object());
+  for (const auto& [process, stages] : stages_of.items()) {
     for (const Json& stage : stages) {
+      if (!stage.is_object()) continue;
       const double n = stage.value("n", 0.0);
       rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.0f}</td><td>{}</td><td>{}</td></tr>\n",
                           XmlEscaped(process), XmlEscaped(stage.value("stage", "")), n,

@@ -86,6 +86,16 @@ TEST_F(ReportTest, DrawsEveryMethodAndTheReference) {
   EXPECT_THAT(html, Not(ContainsRegex("[^a-z](nan|inf)[^a-z]")));
 }
 
+TEST_F(ReportTest, TellsWhatAStageCosts) {
+  const nlohmann::json timing = {
+      {"wall_s", 4},
+      {"stages",
+       {{"render-0", {{{"stage", "draw"}, {"n", 200}, {"wall_ms", 8100}, {"cpu_ms", 40}}}},
+        {"broken", {1, 2}}}}};
+  EXPECT_THAT(Report(EvaluateRecord(RecedingTarget(), timing, nullptr)),
+              HasSubstr("<td>render-0</td><td>draw</td><td>200</td><td>40.5</td><td>0.2</td>"));
+}
+
 TEST_F(ReportTest, OfAnEmptyRunIsStillAReport) {
   const std::string html = Report(EvaluateRecord(Flight({})));
   EXPECT_THAT(html, HasSubstr("</html>"));
