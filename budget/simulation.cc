@@ -56,7 +56,7 @@ struct Flight {
             scenario.vibration, seed, kObserver),
         // Of other ways to observe only the pictures know how boxes err.
         boxes(scenario.observe == Observe::kGeometric ? scenario.geometric : Exact(), seed,
-              std::string(kObserver) + "/geometric/target1"),
+              fmt::format("{}/geometric/target1", kObserver)),
         label(scenario, seed) {}
 
   std::uint64_t seed;
