@@ -4,41 +4,22 @@
 #include <cmath>
 #include <vector>
 
+#include "render/pixel_noise.h"
+
 namespace windhover {
 namespace {
 
 constexpr float kLargestPoissonMean = 32;
 
-// Hash: C. Wellons, "Prospecting for Hash Functions", 2018 (lowbias32).
-std::uint32_t Hash(std::uint32_t h) {
-  h = (h ^ (h >> 16)) * 0x7feb352du;
-  h = (h ^ (h >> 15)) * 0x846ca68bu;
-  return h ^ (h >> 16);
-}
-
 std::uint32_t KeyOf(std::uint64_t key, std::uint32_t purpose) {
-  return Hash(static_cast<std::uint32_t>(key) ^
-              Hash(static_cast<std::uint32_t>(key >> 32) + 0x9e3779b9u * purpose));
+  return Hash32(static_cast<std::uint32_t>(key) ^
+                Hash32(static_cast<std::uint32_t>(key >> 32) + 0x9e3779b9u * purpose));
 }
 
-// Standard normal values, each the sum of eight uniform bytes: kurtosis -0.15, never beyond 4.9.
 __attribute__((target_clones("default", "avx2"))) void FillNormal(std::uint32_t key0,
                                                                   std::uint32_t key1, int count,
                                                                   float* values) {
-  constexpr float kMean = 1020, kPerSigma = 1 / 209.022f;
-  for (int i = 0; i < count; ++i) {
-    std::uint32_t h = (static_cast<std::uint32_t>(i) * 0x9e3779b9u) ^ key0;
-    h = (h ^ (h >> 16)) * 0x7feb352du;
-    h = (h ^ (h >> 15)) * 0x846ca68bu;
-    h ^= h >> 16;
-    std::uint32_t g = (h ^ key1) * 0x21f0aaadu;
-    g = (g ^ (g >> 15)) * 0xd35a2d97u;
-    g ^= g >> 15;
-    const std::uint32_t pairs =
-        (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu) + (g & 0x00ff00ffu) + ((g >> 8) & 0x00ff00ffu);
-    const auto sum = static_cast<std::int32_t>((pairs & 0xffffu) + (pairs >> 16));
-    values[i] = (static_cast<float>(sum) - kMean) * kPerSigma;
-  }
+  for (int i = 0; i < count; ++i) values[i] = PixelNoise(key0, key1, i);
 }
 
 // e^-x for x in [0, 32], by Taylor's series at x / 64 and six squarings: 1e-6 relative.
@@ -125,9 +106,10 @@ void EmvaSensor::Expose(const SensorRowKeys& keys, double exposure_s, double gai
     const std::uint32_t poisson_key = KeyOf(keys.frame, 4);
     for (std::size_t i = 0; i < size; ++i) {
       const float mean = electrons[i];
-      electrons[i] = mean < kLargestPoissonMean
-                         ? Poisson(mean, Hash(poisson_key ^ Hash(static_cast<std::uint32_t>(i))))
-                         : mean + std::sqrt(mean) * normal[i];
+      electrons[i] =
+          mean < kLargestPoissonMean
+              ? Poisson(mean, Hash32(poisson_key ^ Hash32(static_cast<std::uint32_t>(i))))
+              : mean + std::sqrt(mean) * normal[i];
     }
     fill(keys.pattern, 6);
     for (std::size_t i = 0; i < size; ++i) dark_e[i] = dsnu_e_ * normal[i];

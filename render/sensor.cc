@@ -5,6 +5,7 @@
 
 #include "common/image/srgb.h"
 #include "common/random/random_stream.h"
+#include "render/pixel_noise.h"
 
 namespace windhover {
 namespace {
@@ -17,27 +18,14 @@ struct NoiseParameters {
   float variance_per_light, read_variance;
 };
 
-// Integers, and floats whose every operation IEEE 754 rounds exactly: the same bits at any width.
-// Hash: C. Wellons, "Prospecting for Hash Functions", 2018 (lowbias32).
+// The same bits at any width.
 __attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void AddNoiseToRow(
     const NoiseParameters& parameters, int count, std::uint16_t* linear) {
   const NoiseParameters p = parameters;
-  // Sum of eight uniform bytes: mean 1020, variance 8 (2^16 - 1) / 12.
-  constexpr float kMean = 1020, kPerSigma = 1 / 209.022f;
   for (int i = 0; i < count; ++i) {
-    std::uint32_t h = (static_cast<std::uint32_t>(i) * 0x9e3779b9u) ^ p.key0;
-    h = (h ^ (h >> 16)) * 0x7feb352du;
-    h = (h ^ (h >> 15)) * 0x846ca68bu;
-    h ^= h >> 16;
-    std::uint32_t g = (h ^ p.key1) * 0x21f0aaadu;
-    g = (g ^ (g >> 15)) * 0xd35a2d97u;
-    g ^= g >> 15;
-    const std::uint32_t pairs =
-        (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu) + (g & 0x00ff00ffu) + ((g >> 8) & 0x00ff00ffu);
-    const auto sum = static_cast<std::int32_t>((pairs & 0xffffu) + (pairs >> 16));
     const auto light = static_cast<float>(static_cast<std::int32_t>(linear[i]));
     const float sigma = std::sqrt(light * p.variance_per_light + p.read_variance);
-    const float noise = sigma * ((static_cast<float>(sum) - kMean) * kPerSigma);
+    const float noise = sigma * PixelNoise(p.key0, p.key1, i);
     // Shifted so that truncation rounds to nearest on both sides of 0.
     std::int32_t noisy = static_cast<std::int32_t>(light + noise + 65536.5f) - 65536;
     noisy = noisy < 0 ? 0 : noisy;

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+namespace windhover {
+
+// Inlined into kernels that are compiled for several processors: integers, and floats whose every
+// operation IEEE 754 rounds exactly, so the same bits at any width.
+
+/// A hash of 32 bits. Source: C. Wellons, "Prospecting for Hash Functions", 2018 (lowbias32).
+inline __attribute__((always_inline)) std::uint32_t Hash32(std::uint32_t h) {
+  h = (h ^ (h >> 16)) * 0x7feb352du;
+  h = (h ^ (h >> 15)) * 0x846ca68bu;
+  return h ^ (h >> 16);
+}
+
+/// Normal noise of value `i` of a row, of deviation 1: the sum of eight uniform bytes. Kurtosis
+/// -0.15, never beyond 4.9.
+inline __attribute__((always_inline)) float PixelNoise(std::uint32_t key0, std::uint32_t key1,
+                                                       int i) {
+  // Mean and deviation of the sum, whose variance is 8 (2^16 - 1) / 12.
+  constexpr float kMean = 1020, kPerSigma = 1 / 209.022f;
+  const std::uint32_t h = Hash32((static_cast<std::uint32_t>(i) * 0x9e3779b9u) ^ key0);
+  std::uint32_t g = (h ^ key1) * 0x21f0aaadu;
+  g = (g ^ (g >> 15)) * 0xd35a2d97u;
+  g ^= g >> 15;
+  const std::uint32_t pairs =
+      (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu) + (g & 0x00ff00ffu) + ((g >> 8) & 0x00ff00ffu);
+  const auto sum = static_cast<std::int32_t>((pairs & 0xffffu) + (pairs >> 16));
+  return (static_cast<float>(sum) - kMean) * kPerSigma;
+}
+
+}  // namespace windhover
