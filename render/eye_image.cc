@@ -7,13 +7,6 @@
 namespace windhover {
 namespace {
 
-// Integers only: the same bits from every clone.
-__attribute__((target_clones("default", "avx2"))) void AddRow(const std::uint16_t* row,
-                                                              std::uint32_t share, int count,
-                                                              std::uint32_t* sum) {
-  for (int i = 0; i < count; ++i) sum[i] += row[i] * share;
-}
-
 // The shares sum to 65536, so that white times them, rounded, still fits in 32 bits.
 __attribute__((target_clones("default", "avx2"))) void MeanRow(const std::uint32_t* sum, int count,
                                                                std::uint16_t* row) {
@@ -58,7 +51,7 @@ void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand&
     std::fill(sum.begin(), sum.end(), 0);
     for (const BackgroundShare& background : backgrounds) {
       background.warp.Row(y, row.data());
-      AddRow(row.data(), background.share, count, sum.data());
+      AddScaled(row.data(), background.share, count, sum.data());
     }
     MeanRow(sum.data(), count, out);
   }

@@ -8,7 +8,7 @@
 namespace windhover {
 
 /// An OpenGL 3.3 core context without a window. What is drawn goes to framebuffer objects; the
-/// default framebuffer is a 16×16 stub.
+/// context's own framebuffer stays empty.
 ///
 /// A context serves one thread at a time; different threads use different contexts.
 class GlContext {

@@ -75,13 +75,14 @@ Weights Convolved(Weights a, Weights b) {
   return both;
 }
 
+}  // namespace
+
+// Integers only: the same bits from every clone.
 __attribute__((target_clones("default", "avx2"))) void AddScaled(const std::uint16_t* values,
                                                                  std::uint32_t weight, int count,
                                                                  std::uint32_t* sums) {
   for (int i = 0; i < count; ++i) sums[i] += values[i] * weight;
 }
-
-}  // namespace
 
 PointSpread::PointSpread(double sigma_px, double disc_diameter_px) {
   Weights weights = Convolved(Spread(sigma_px * sigma_px, /*is_disc=*/false),

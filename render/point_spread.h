@@ -35,6 +35,9 @@ class PointSpread {
   int radius_ = 0;
 };
 
+/// Adds `count` values times `weight` to `sums`.
+void AddScaled(const std::uint16_t* values, std::uint32_t weight, int count, std::uint32_t* sums);
+
 /// An image of `channels` values a pixel, rows from the top without gaps.
 struct ImageView {
   const std::uint16_t* values;
