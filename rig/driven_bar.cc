@@ -16,10 +16,6 @@ using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr Complex kI{0, 1};
 
-double SincOfPi(double x) {
-  return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
-}
-
 // Of coordinate `i` of the bar.
 const Mode& ModeOf(const BarModes& modes, std::size_t i) {
   const std::size_t direction = i % 3;
@@ -140,8 +136,8 @@ DrivenBar::Motion DrivenBar::Tick::MeanAt(double t_s, double duration_s) const {
     motion.bar[i].x = held_[i].x + MeanRung(ModeOf(modes_, i), ringing_[i], dt_s, duration_s);
   }
   for (const Line& line : lines_) {
-    const Complex mean =
-        std::polar(SincOfPi(line.frequency_hz * duration_s), kTwoPi * line.frequency_hz * dt_s);
+    const Complex mean = std::polar(Sinc(std::numbers::pi * (line.frequency_hz * duration_s)),
+                                    kTwoPi * line.frequency_hz * dt_s);
     for (int axis = 0; axis < 3; ++axis) {
       motion.turn_rad[axis] += (line.turn_rad[axis] * mean).real();
     }

@@ -37,11 +37,12 @@ std::complex<double> Differentiation(double frequency_hz) { return {0, kTwoPi * 
 
 std::complex<double> Integration(double frequency_hz) { return {0, -1 / (kTwoPi * frequency_hz)}; }
 
+double Sinc(double x_rad) { return x_rad == 0 ? 1 : std::sin(x_rad) / x_rad; }
+
 FrequencyResponse MeanOver(double duration_s) {
   return [duration_s](double frequency_hz) {
     const double half_turn = std::numbers::pi * frequency_hz * duration_s;
-    const double sinc = half_turn == 0 ? 1 : std::sin(half_turn) / half_turn;
-    return std::polar(1.0, half_turn) * sinc;
+    return std::polar(1.0, half_turn) * Sinc(half_turn);
   };
 }
 

@@ -36,6 +36,9 @@ std::complex<double> Differentiation(double frequency_hz);
 /// The integral without its constant. @pre frequency_hz > 0
 std::complex<double> Integration(double frequency_hz);
 
+/// sin(x) / x, 1 at 0: what a mean over a time in which a phase advances by 2 x leaves of a line.
+double Sinc(double x_rad);
+
 /// The mean over [t, t + duration_s], as of an exposure that begins at t.
 FrequencyResponse MeanOver(double duration_s);
 
