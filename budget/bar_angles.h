@@ -4,10 +4,6 @@
 
 namespace windhover {
 
-/// Rotors turn at the reference speed, each up to this share faster or slower, evenly spread: they
-/// differ by mixing and where the mass lies.
-inline constexpr double kRotorSpread = 0.03;
-
 /// Root mean square of the angles by which a bending bar turns its cameras against each other.
 struct BarAngles {
   double yaw_rad = 0, roll_rad = 0;

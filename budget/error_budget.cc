@@ -5,17 +5,23 @@
 namespace windhover {
 namespace {
 
+std::vector<Effect> FirstOrder(const ErrorSource& source, const Scenario& scenario,
+                               const BudgetPlan& plan) {
+  std::vector<Effect> effects;
+  for (const double distance_m : plan.distances_m) {
+    effects.push_back(source.first_order(scenario, SightAt(scenario, plan, distance_m)));
+  }
+  return effects;
+}
+
 void AddRow(const ErrorSource& source, const Scenario& scenario, const BudgetPlan& plan,
             ErrorBudget* budget) {
   BudgetRow row{.name = source.name,
                 .key = source.key,
                 .law = source.law,
-                .first_order = {},
+                .first_order = FirstOrder(source, scenario, plan),
                 .simulated = {},
                 .variance_share = {}};
-  for (const double distance_m : plan.distances_m) {
-    row.first_order.push_back(source.first_order(scenario, SightAt(scenario, plan, distance_m)));
-  }
   Scenario alone = InOrder(scenario);
   source.switch_on(scenario, &alone);
   row.simulated = Simulate(alone, plan).effects;
@@ -63,10 +69,7 @@ ErrorBudget ComputeErrorBudget(const Scenario& scenario, const BudgetPlan& plan)
 ErrorTotals ComputeErrorTotals(const Scenario& scenario, const BudgetPlan& plan) {
   std::vector<BudgetRow> rows;
   for (const ErrorSource& source : ErrorSourcesOf(scenario)) {
-    BudgetRow& row = rows.emplace_back();
-    for (const double distance_m : plan.distances_m) {
-      row.first_order.push_back(source.first_order(scenario, SightAt(scenario, plan, distance_m)));
-    }
+    rows.emplace_back().first_order = FirstOrder(source, scenario, plan);
   }
   return {.first_order = Sum(rows, plan.distances_m.size(), &BudgetRow::first_order),
           .simulated = Simulate(scenario, plan).effects};

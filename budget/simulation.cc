@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "budget/bar_angles.h"
 #include "budget/error_budget.h"
 #include "budget/label_error.h"
 #include "common/geometry/rotation.h"
 #include "common/random/random_stream.h"
+#include "rig/base_vibration.h"
 #include "rig/rig_motion.h"
 
 namespace windhover {

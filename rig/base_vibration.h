@@ -9,6 +9,10 @@
 
 namespace windhover {
 
+/// The rotors of an aircraft turn at one speed, each up to this share faster or slower, evenly
+/// spread: they differ by mixing and where the mass lies.
+inline constexpr double kRotorSpread = 0.03;
+
 /// What a preset makes of the normal amplitudes.
 struct PresetFactors {
   double tones, floor, angular_rate;

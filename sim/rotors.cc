@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "common/random/random_stream.h"
+#include "rig/base_vibration.h"
+#include "sim/quadrotor.h"
 
 namespace windhover {
 namespace {
@@ -12,19 +14,17 @@ namespace {
 // 4.53 kg turns 17 inch propellers, a P600 of 3.8 kg some of 15.3 inch.
 double HoverRate_hz(AircraftType type) {
   constexpr double kThrustCoefficient = 0.105, kAirDensity_kgpm3 = 1.225;
-  const bool is_p600 = type == AircraftType::kP600;
-  const double mass_kg = is_p600 ? 3.8 : 4.53, diameter_m = is_p600 ? 0.388 : 0.432;
-  const double thrust_N = mass_kg * kGravity_mps2 / 4;
+  const double diameter_m = type == AircraftType::kP600 ? 0.388 : 0.432;
+  const double thrust_N = QuadrotorParametersOf(type).mass_kg * kGravity_mps2 / 4;
   return std::sqrt(thrust_N / (kThrustCoefficient * kAirDensity_kgpm3)) / (diameter_m * diameter_m);
 }
 
 }  // namespace
 
 Rotors::Rotors(AircraftType type, std::uint64_t seed, const std::string& name) {
-  constexpr double kSpread = 0.03;
   RandomStream stream(seed, name + "/rotors");
   for (double& rate_hz : hover_hz_) {
-    rate_hz = HoverRate_hz(type) * (1 + stream.Uniform(-kSpread, kSpread));
+    rate_hz = HoverRate_hz(type) * (1 + stream.Uniform(-kRotorSpread, kRotorSpread));
   }
   turning_.rate_hz = hover_hz_;
 }
