@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "camera/any_camera.h"
 
 namespace windhover::test {
@@ -75,6 +77,29 @@ template <>
 inline std::vector<AnyCamera> ExampleCameras() {
   return {ExampleCameras<PinholeRadtan>()[2], ExampleCameras<PinholeRational>()[2],
           ExampleCameras<PinholeRational>()[3], ExampleCameras<KannalaBrandt>()[1]};
+}
+
+/// A pixel far outside must end in nothing, never in a wrong direction.
+template <typename Camera>
+void ExpectUnprojectIsRightOrEmpty(const std::vector<Camera>& cameras) {
+  int empty = 0, seen = 0;
+  for (const Camera& camera : cameras) {
+    for (double u_px = -5000; u_px <= 6000; u_px += 137) {
+      for (double v_px = -5000; v_px <= 6000; v_px += 211) {
+        const auto ray_C = camera.Unproject({u_px, v_px});
+        if (!ray_C) {
+          ++empty;
+          continue;
+        }
+        ++seen;
+        const auto q_px = camera.Project(*ray_C);
+        ASSERT_TRUE(q_px) << u_px << ", " << v_px;
+        EXPECT_LT((*q_px - Eigen::Vector2d(u_px, v_px)).norm(), 1e-8);
+      }
+    }
+  }
+  EXPECT_GT(empty, 100);
+  EXPECT_GT(seen, 100);
 }
 
 }  // namespace windhover::test
