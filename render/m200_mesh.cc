@@ -72,8 +72,8 @@ AircraftModel MakeM200(bool orange) {
     AddLandingLeg(sign_y, &model.body);
     for (const float sign_x : {-1.0f, 1.0f}) {
       AddArm(sign_x, sign_y, &model.body);
-      AddRotorDisc({sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m}, kPropellerRadius_m, kDark,
-                   &model.rotor_discs);
+      AddPropeller(RotorAt(sign_x, sign_y), {sign_x * kMotorX_m, sign_y * kMotorY_m, kDiscZ_m},
+                   kPropellerRadius_m, kDark, &model);
     }
   }
   MoveToMiddle(kHeight_m, &model);

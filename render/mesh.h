@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "render/propeller.h"
+
 namespace windhover {
 
 /// A coloured triangle mesh in the body frame B of an aircraft (forward-left-up, metres).
@@ -40,9 +42,9 @@ std::vector<Eigen::Vector3f> SphereDirections(int count);
 /// box around the aircraft with its propellers.
 struct AircraftModel {
   Mesh body;
-  Mesh rotor_discs;          ///< Spinning propellers, drawn as translucent discs.
-  float disc_alpha = 0.15f;  ///< Opacity of a disc.
-  bool watertight = true;    ///< Body parts are closed, so back faces can be left out.
+  Mesh rotor_discs;  ///< What turning propellers sweep, an equal share of its vertices each.
+  std::vector<Propeller> propellers;  ///< In that order.
+  bool watertight = true;             ///< Body parts are closed, so back faces can be left out.
 };
 
 }  // namespace windhover

@@ -92,6 +92,43 @@ void AddCap(const std::vector<Vector3f>& ring, const Vector3f& centre, const Vec
   for (std::uint32_t i = 1; i < ring.size(); ++i) AddTriangle(hub, hub + i, hub + i + 1, mesh);
 }
 
+// One side of what a propeller sweeps: rings about its hub, closest where its opacity changes most.
+void AddDiscFace(const Vector3f& middle, const Vector3f& normal, float radius_m,
+                 const std::vector<Eigen::Vector2f>& circle, const Vector3f& colour, Mesh* mesh) {
+  std::uint32_t inner = 0;
+  const auto n = static_cast<std::uint32_t>(circle.size());
+  const std::uint32_t hub = AddVertex(middle, normal, colour, mesh);
+  for (const float share : {0.12f, 0.3f, 0.6f, 0.93f, 1.0f}) {
+    const auto ring = static_cast<std::uint32_t>(mesh->positions.size());
+    for (const Eigen::Vector2f& c : circle) {
+      AddVertex(middle + Vector3f(c.x(), c.y(), 0) * (share * radius_m), normal, colour, mesh);
+    }
+    for (std::uint32_t i = 0; i + 1 < n; ++i) {
+      if (inner == 0) {
+        AddTriangle(hub, ring + i, ring + i + 1, mesh);
+      } else {
+        AddQuad(inner + i, ring + i, ring + i + 1, inner + i + 1, mesh);
+      }
+    }
+    inner = ring;
+  }
+}
+
+void AddDiscRim(const Vector3f& hub, float radius_m, const std::vector<Eigen::Vector2f>& circle,
+                const Vector3f& colour, Mesh* mesh) {
+  const auto base = static_cast<std::uint32_t>(mesh->positions.size());
+  const Vector3f half_height(0, 0, Propeller::kHeight_m / 2);
+  for (const Eigen::Vector2f& c : circle) {
+    const Vector3f radial(c.x(), c.y(), 0);
+    AddVertex(hub + radius_m * radial - half_height, radial, colour, mesh);
+    AddVertex(hub + radius_m * radial + half_height, radial, colour, mesh);
+  }
+  for (std::uint32_t i = 0; i + 1 < circle.size(); ++i) {
+    const std::uint32_t a = base + 2 * i;
+    AddQuad(a, a + 2, a + 3, a + 1, mesh);
+  }
+}
+
 }  // namespace
 
 void AddRoundedBox(const Vector3f& centre_m, const Vector3f& size_m, float radius_m,
@@ -149,15 +186,22 @@ void AddEllipsoid(const Vector3f& centre_m, const Vector3f& radii_m, int sides,
   }
 }
 
-void AddRotorDisc(const Vector3f& hub_m, float radius_m, const Vector3f& colour, Mesh* mesh) {
-  const Vector3f half_height(0, 0, 0.006f);
-  AddTube(hub_m - half_height, hub_m + half_height, radius_m, radius_m, 64, colour, mesh);
+void AddPropeller(int rotor, const Vector3f& hub_m, float radius_m, const Vector3f& colour,
+                  AircraftModel* model) {
+  model->propellers.push_back({hub_m, radius_m, rotor});
+  const std::vector<Eigen::Vector2f> circle = Circle(kDiscSectors);
+  for (const float sign : {-1.0f, 1.0f}) {
+    const Vector3f normal(0, 0, sign), middle = hub_m + normal * (Propeller::kHeight_m / 2);
+    AddDiscFace(middle, normal, radius_m, circle, colour, &model->rotor_discs);
+  }
+  AddDiscRim(hub_m, radius_m, circle, colour, &model->rotor_discs);
 }
 
 void MoveToMiddle(float height_m, AircraftModel* model) {
   const Vector3f to_middle(0, 0, -height_m / 2);
   for (Vector3f& p : model->body.positions) p += to_middle;
   for (Vector3f& p : model->rotor_discs.positions) p += to_middle;
+  for (Propeller& propeller : model->propellers) propeller.hub_m += to_middle;
 }
 
 Vector3f ColourFromSrgb(int red, int green, int blue) {

@@ -18,9 +18,12 @@ void AddTube(const Eigen::Vector3f& from_m, const Eigen::Vector3f& to_m, float f
 void AddEllipsoid(const Eigen::Vector3f& centre_m, const Eigen::Vector3f& radii_m, int sides,
                   const Eigen::Vector3f& colour, Mesh* mesh);
 
-/// What a turning propeller sweeps: a disc of 12 mm height, as blades are pitched.
-void AddRotorDisc(const Eigen::Vector3f& hub_m, float radius_m, const Eigen::Vector3f& colour,
-                  Mesh* mesh);
+/// Sides of the disc that a turning propeller sweeps.
+inline constexpr int kDiscSectors = 48;
+
+/// A propeller of `model`, and a closed disc of its height around what it sweeps.
+void AddPropeller(int rotor, const Eigen::Vector3f& hub_m, float radius_m,
+                  const Eigen::Vector3f& colour, AircraftModel* model);
 
 /// Shifts `model`, which stands on z = 0 and is `height_m` tall, so that its middle is at z = 0.
 void MoveToMiddle(float height_m, AircraftModel* model);

@@ -207,7 +207,10 @@ AircraftModel MakeAircraftModel(const Aircraft& aircraft) {
       return MakeP600();
     case AircraftType::kMesh:
       // A file's winding cannot be trusted, so both sides of its triangles are drawn.
-      return {.body = LoadMesh(aircraft.mesh), .rotor_discs = {}, .watertight = false};
+      return {.body = LoadMesh(aircraft.mesh),
+              .rotor_discs = {},
+              .propellers = {},
+              .watertight = false};
   }
   throw std::logic_error("unknown aircraft type");
 }

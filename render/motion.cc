@@ -59,6 +59,16 @@ Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s) {
   return X_WB;
 }
 
+RotorTurning TurningOf(const uav_truth_t& truth, double middle_s, double duration_s) {
+  RotorTurning turning;
+  turning.duration_s = duration_s;
+  for (std::size_t i = 0; i < turning.rate_hz.size(); ++i) {
+    turning.rate_hz[i] = truth.rotor_rate_hz[i];
+    turning.phase_rev[i] = truth.rotor_phase_rev[i] + middle_s * truth.rotor_rate_hz[i];
+  }
+  return turning;
+}
+
 RigDrive DriveOf(const world_truth_t& world, std::size_t observer) {
   const uav_truth_t& truth = world.uavs[observer];
   RigDrive drive;

@@ -7,6 +7,7 @@
 
 #include "lcmtypes/uav_truth_t.hpp"
 #include "lcmtypes/world_truth_t.hpp"
+#include "render/propeller.h"
 #include "render/row_poses.h"
 #include "rig/exposure.h"
 #include "rig/rig_motion.h"
@@ -16,6 +17,9 @@ namespace windhover {
 
 /// X_WB of `truth`, carried on for `dt_s` with its linear and angular velocity.
 Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s);
+
+/// The rotors of `truth` during an exposure of `duration_s` about `middle_s` from its moment.
+RotorTurning TurningOf(const uav_truth_t& truth, double middle_s, double duration_s);
 
 /// What drives the rig of an observer during the tick that begins with `world`.
 RigDrive DriveOf(const world_truth_t& world, std::size_t observer);

@@ -67,8 +67,8 @@ AircraftModel MakeP600() {
     AddLandingLeg(sign_y, &model.body);
     for (const float sign_x : {-1.0f, 1.0f}) {
       AddArm(sign_x, sign_y, &model.body);
-      AddRotorDisc({sign_x * kMotor_m, sign_y * kMotor_m, kDiscZ_m}, kPropellerRadius_m, kGrey,
-                   &model.rotor_discs);
+      AddPropeller(RotorAt(sign_x, sign_y), {sign_x * kMotor_m, sign_y * kMotor_m, kDiscZ_m},
+                   kPropellerRadius_m, kGrey, &model);
     }
   }
   MoveToMiddle(kHeight_m, &model);

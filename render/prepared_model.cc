@@ -17,7 +17,7 @@ constexpr int kLevels = 5;                // Each halves the edges of the one be
 }  // namespace
 
 PreparedModel::PreparedModel(AircraftModel model, double radius_m)
-    : radius_m_(radius_m), disc_alpha_(model.disc_alpha), watertight_(model.watertight) {
+    : radius_m_(radius_m), propellers_(model.propellers), watertight_(model.watertight) {
   const Eigen::AlignedBox3f box = BoundingBox(model.body).merged(BoundingBox(model.rotor_discs));
   const float size_m = box.diagonal().norm();
   DetailLevel level{size_m, std::move(model.body), box, std::move(model.rotor_discs)};

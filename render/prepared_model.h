@@ -13,7 +13,7 @@ struct DetailLevel {
   float max_edge_m;
   Mesh body;
   Eigen::AlignedBox3f box;  ///< Around body and discs.
-  Mesh discs;  ///< The same at each level: only their rims show, and those are short edges.
+  Mesh discs;  ///< Of the propellers; the same at each level, as their edges are short.
 };
 
 /// A model made ready for drawing: short edges for lens distortion, self-shading, outline.
@@ -30,7 +30,7 @@ class PreparedModel {
   /// Bits of render/mesh_visibility.h of vertex `i` of the body, the same at each level.
   std::uint64_t OpenDirectionsOf(std::size_t i) const { return open_directions_[i]; }
   float AmbientOpennessOf(std::size_t i) const { return ambient_openness_[i]; }
-  float DiscAlpha() const { return disc_alpha_; }
+  const std::vector<Propeller>& Propellers() const { return propellers_; }
   bool IsWatertight() const { return watertight_; }
 
  private:
@@ -39,7 +39,7 @@ class PreparedModel {
   std::vector<std::uint64_t> open_directions_;  ///< One a vertex of the finest body.
   std::vector<float> ambient_openness_;
   double radius_m_;
-  float disc_alpha_;
+  std::vector<Propeller> propellers_;
   bool watertight_;
 };
 

@@ -224,8 +224,12 @@ void StereoRenderer::DrawTargets(const world_truth_t& world, Eye* eye, TargetPas
     const uav_truth_t& truth = world.uavs[observer.far_to_near[k]];
     std::vector<RowPoses> X_CB;
     for (const RowCameras& cameras : eye->cameras) X_CB.push_back(PosesOf(cameras, truth));
+    const target_view_t& view = observer.ViewOf(observer.far_to_near[k], *eye);
+    const ShutterTimes& shutter = eye->index == 0 ? observer.shutter.left : observer.shutter.right;
+    const RotorTurning rotors =
+        TurningOf(truth, shutter.RowMiddle_s(view.centre_px[1]), shutter.duration_s);
     eye->layers[k] = pass->Draw(observer.shaded[k], eye->camera, width_px, height_px,
-                                std::span<const RowPoses>(X_CB));
+                                std::span<const RowPoses>(X_CB), rotors);
   }
   for (std::size_t k = 0; k < eye->layers.size(); ++k) {
     target_view_t& view = observer.ViewOf(observer.far_to_near[k], *eye);

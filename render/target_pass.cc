@@ -3,24 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "render/mesh_builder.h"
 #include "render/target_canvas.h"
 
 namespace windhover {
 namespace {
-
-using Triangle = std::array<std::uint32_t, 3>;
-
-// A vertex in the image; not valid where the lens does not see it.
-struct ImageVertex {
-  double x_px = 0, y_px = 0, inverse_depth = 0;
-  bool is_valid = false;
-};
-
-struct ProjectedMesh {
-  std::vector<ImageVertex> vertices;
-  std::vector<Triangle> triangles;  ///< Those whose vertices are all valid.
-};
 
 // Samples a pixel along each axis, so that a silhouette's centroid is true to a few hundredths
 // of a pixel at every size (docs/sources.md). Images drawn anew for each sub-exposure are
@@ -31,79 +20,11 @@ int SamplesFor(double extent_px, std::size_t drawings) {
   return std::max(2, static_cast<int>(shared));
 }
 
-ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB) {
-  constexpr double kNear_m = 0.05;
-  ProjectedMesh projected;
-  projected.vertices.reserve(mesh.positions.size());
-  bool all_valid = true;
-  camera.Visit([&](const auto& model) {
-    for (const Eigen::Vector3f& p_B : mesh.positions) {
-      Eigen::Vector3d p_C;
-      auto q_px = ProjectByRows(model, X_CB, p_B.cast<double>(), &p_C);
-      if (!(p_C.z() > kNear_m)) q_px.reset();
-      all_valid = all_valid && q_px.has_value();
-      projected.vertices.push_back(q_px ? ImageVertex{q_px->x(), q_px->y(), 1 / p_C.z(), true}
-                                        : ImageVertex{});
-    }
-  });
-  if (all_valid) {
-    projected.triangles = mesh.triangles;
-    return projected;
-  }
-  for (const Triangle& t : mesh.triangles) {
-    const auto& v = projected.vertices;
-    if (v[t[0]].is_valid && v[t[1]].is_valid && v[t[2]].is_valid) projected.triangles.push_back(t);
-  }
-  return projected;
-}
-
-// Bounds of what is drawn.
-struct Bounds {
-  double x_min = 1e9, x_max = -1e9, y_min = 1e9, y_max = -1e9;
-  double inverse_near = 0, inverse_far = 1e9;
-
-  void Extend(const ProjectedMesh& mesh) {
-    for (const Triangle& t : mesh.triangles) {
-      for (const std::uint32_t i : t) {
-        const ImageVertex& v = mesh.vertices[i];
-        x_min = std::min(x_min, v.x_px);
-        x_max = std::max(x_max, v.x_px);
-        y_min = std::min(y_min, v.y_px);
-        y_max = std::max(y_max, v.y_px);
-        inverse_near = std::max(inverse_near, v.inverse_depth);
-        inverse_far = std::min(inverse_far, v.inverse_depth);
-      }
-    }
-  }
-
-  double Extent_px() const { return std::max(x_max - x_min, y_max - y_min); }
-
-  void Grow(double margin_px) {
-    x_min -= margin_px;
-    y_min -= margin_px;
-    x_max += margin_px;
-    y_max += margin_px;
-  }
-
-  PixelRect Within(int width_px, int height_px) const {
-    if (x_min > x_max) return {};
-    const auto first = [](double low) {
-      return static_cast<int>(std::floor(std::max(low, -1.0) + 0.5));
-    };
-    const auto last = [](double high, int size) {
-      return static_cast<int>(std::floor(std::min(high, size + 1.0) + 0.5));
-    };
-    const int x0 = std::max(first(x_min), 0), x1 = std::min(last(x_max, width_px), width_px - 1);
-    const int y0 = std::max(first(y_min), 0), y1 = std::min(last(y_max, height_px), height_px - 1);
-    return {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
-  }
-};
-
 // From image coordinates to a canvas that shows `rect`. Depth is affine in 1 / Z, which is
 // affine in the image, so that interpolation between vertices is exact.
 class CanvasMap {
  public:
-  CanvasMap(const PixelRect& rect, const Bounds& bounds) : rect_(rect) {
+  CanvasMap(const PixelRect& rect, const ImageBounds& bounds) : rect_(rect) {
     const double margin = 1e-3 * bounds.inverse_near;
     near_ = bounds.inverse_near + margin;
     far_ = std::max(bounds.inverse_far - margin, 0.0);
@@ -125,19 +46,40 @@ class CanvasMap {
   double near_, far_;
 };
 
+// `alphas`: one a vertex, or none where all is opaque.
 std::vector<CanvasVertex> OnCanvas(const ProjectedMesh& mesh,
-                                   const std::vector<Eigen::Vector3f>& light, float alpha,
-                                   const CanvasMap& map) {
+                                   const std::vector<Eigen::Vector3f>& light,
+                                   const std::vector<float>& alphas, const CanvasMap& map) {
   std::vector<CanvasVertex> vertices;
   vertices.reserve(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    vertices.push_back(map.Vertex(mesh.vertices[i], light[i], alpha));
+    vertices.push_back(map.Vertex(mesh.vertices[i], light[i], alphas.empty() ? 1 : alphas[i]));
   }
   return vertices;
 }
 
+// How opaque the propellers' discs are from the camera, one a vertex.
+std::vector<float> DiscAlphas(const ShadedTarget& target, const RowPoses& X_CB,
+                              const RotorTurning& turning) {
+  constexpr double kSpread_rad = 2 * std::numbers::pi / kDiscSectors;
+  const std::vector<Propeller>& propellers = target.model->Propellers();
+  const std::vector<Eigen::Vector3f>& places = target.level->discs.positions;
+  const Eigen::Vector3d camera_B_m = X_CB.Middle().inverse().translation();
+  std::vector<float> alphas;
+  alphas.reserve(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector3d p_B_m = places[i].cast<double>();
+    alphas.push_back(
+        static_cast<float>(BladeCoverage(propellers[i * propellers.size() / places.size()], turning,
+                                         p_B_m, (p_B_m - camera_B_m).normalized(), kSpread_rad)));
+  }
+  return alphas;
+}
+
 TargetLayer::Sample SampleOf(std::uint16_t coverage) {
-  if (coverage == 0) return TargetLayer::Sample::kEmpty;
+  // Black blades before white clouds that cover 2 % change an image by five of 255 grey levels.
+  constexpr std::uint16_t kVisible = 1311;
+  if (coverage < kVisible) return TargetLayer::Sample::kEmpty;
   return coverage > 60000 ? TargetLayer::Sample::kOpaque : TargetLayer::Sample::kTranslucent;
 }
 
@@ -149,6 +91,7 @@ struct SampleShift {
 // sub-exposures that it stands for.
 struct Drawing {
   ProjectedMesh body, discs;
+  std::vector<float> disc_alphas;
   std::vector<SampleShift> shifts;
 };
 
@@ -268,21 +211,22 @@ struct TargetPass::Gl {
   explicit Gl(std::unique_ptr<GlContext> context) : canvas(std::move(context)) {}
 
   void DrawTile(const ShadedTarget& target, const Drawing& drawing, const PixelRect& tile,
-                const Bounds& bounds, int samples_per_px) {
+                const ImageBounds& bounds, int samples_per_px) {
     using Surface = TargetCanvas::Surface;
     const CanvasMap map(tile, bounds);
     canvas.Begin(tile.width * samples_per_px, tile.height * samples_per_px);
     canvas.Draw(target.model->IsWatertight() ? Surface::kClosed : Surface::kOpen,
-                OnCanvas(drawing.body, target.body_light, 1, map), drawing.body.triangles);
+                OnCanvas(drawing.body, target.body_light, {}, map), drawing.body.triangles);
     canvas.Draw(Surface::kTranslucent,
-                OnCanvas(drawing.discs, target.disc_light, target.model->DiscAlpha(), map),
+                OnCanvas(drawing.discs, target.disc_light, drawing.disc_alphas, map),
                 drawing.discs.triangles);
     canvas.Read(&samples);
   }
 
   /// Mean of all drawings and their shifts, within `roi`; shifts stay below `margin_px`.
   TargetLayer Gather(const ShadedTarget& target, std::span<const Drawing> drawings,
-                     const Bounds& bounds, const PixelRect& roi, int samples_per_px, int margin_px);
+                     const ImageBounds& bounds, const PixelRect& roi, int samples_per_px,
+                     int margin_px);
 
   TargetCanvas canvas;
   std::vector<TargetCanvas::Pixel> samples;
@@ -293,7 +237,8 @@ TargetPass::TargetPass(std::unique_ptr<GlContext> context, double max_blur_px)
 TargetPass::~TargetPass() = default;
 
 TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px,
-                             int height_px, std::span<const RowPoses> X_CB) {
+                             int height_px, std::span<const RowPoses> X_CB,
+                             const RotorTurning& rotors) {
   constexpr double kMaxShift_px = 128;
   const ImageMotion motion = MotionOf(target.level->box, camera, X_CB);
   // A short exposure moves the image as a whole: one drawing serves all sub-exposures. What is
@@ -302,10 +247,11 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera
       2 * motion.residual_px <= max_blur_px_ && motion.LargestShiftPx() <= kMaxShift_px;
   const std::span<const RowPoses> drawn = is_shift ? X_CB.subspan(X_CB.size() / 2, 1) : X_CB;
   std::vector<Drawing> drawings;
-  Bounds bounds;
-  for (const RowPoses& pose : drawn) {
-    drawings.push_back({Project(target.level->body, camera, pose),
-                        Project(target.level->discs, camera, pose),
+  ImageBounds bounds;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    drawings.push_back({Project(target.level->body, camera, drawn[i]),
+                        Project(target.level->discs, camera, drawn[i]),
+                        DiscAlphas(target, drawn[i], rotors.Part(i, drawn.size())),
                         {SampleShift{}}});
     bounds.Extend(drawings.back().body);
     bounds.Extend(drawings.back().discs);
@@ -324,8 +270,8 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera
 }
 
 TargetLayer TargetPass::Gl::Gather(const ShadedTarget& target, std::span<const Drawing> drawings,
-                                   const Bounds& bounds, const PixelRect& roi, int samples_per_px,
-                                   int margin_px) {
+                                   const ImageBounds& bounds, const PixelRect& roi,
+                                   int samples_per_px, int margin_px) {
   const int tile_px = TargetCanvas::kMaxSize / samples_per_px - 2 * margin_px;
   LayerSum sum(roi, samples_per_px);
   std::size_t exposures = 0;

@@ -8,18 +8,11 @@
 
 #include <Eigen/Geometry>
 
-#include "camera/any_camera.h"
 #include "render/gl_context.h"
 #include "render/prepared_model.h"
-#include "render/row_poses.h"
+#include "render/projected_mesh.h"
 
 namespace windhover {
-
-/// A rectangle of pixels: columns [x0, x0 + width), rows [y0, y0 + height).
-struct PixelRect {
-  int x0 = 0, y0 = 0, width = 0, height = 0;
-  bool IsEmpty() const { return width <= 0 || height <= 0; }
-};
 
 /// One target as one camera sees it during one exposure, without the others.
 struct TargetLayer {
@@ -52,14 +45,15 @@ class TargetPass {
   /// Draws `target` from the poses `X_CB` (sub-exposures, row by row; the middle one is the middle
   /// of the exposure) into an image of width × height px. Where its parts move against each other
   /// by no more than max_blur_px, it is drawn once and its samples are moved by whole samples.
+  /// `rotors`: during the exposure, of which sub-exposures are equal parts.
   /// @return an empty layer if the target is not in the image.
   TargetLayer Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px, int height_px,
-                   std::span<const RowPoses> X_CB);
+                   std::span<const RowPoses> X_CB, const RotorTurning& rotors);
   /// The same for a global shutter.
   TargetLayer Draw(const ShadedTarget& target, const AnyCamera& camera, int width_px, int height_px,
-                   std::span<const Eigen::Isometry3d> X_CB) {
+                   std::span<const Eigen::Isometry3d> X_CB, const RotorTurning& rotors) {
     const std::vector<RowPoses> poses(X_CB.begin(), X_CB.end());
-    return Draw(target, camera, width_px, height_px, std::span<const RowPoses>(poses));
+    return Draw(target, camera, width_px, height_px, std::span<const RowPoses>(poses), rotors);
   }
 
  private:

@@ -132,11 +132,12 @@ void BM_Target(benchmark::State& state) {
   X_CB.linear() = R_BC_Forward().transpose();
   X_CB.translation().z() = depth_m;
   const std::array poses = {X_CB};
+  const RotorTurning rotors{.phase_rev = {}, .rate_hz = {49, 50, 51, 52}, .duration_s = 2e-3};
   const DetailLevel& level = model.LevelFor(depth_m, camera.fx_px());
   for (auto _ : state) {
     const ShadedTarget shaded = Shade(model, level, Eigen::Matrix3d::Identity(), light);
     for (int eye = 0; eye < 2; ++eye) {
-      benchmark::DoNotOptimize(pass.Draw(shaded, camera, 1280, 720, poses));
+      benchmark::DoNotOptimize(pass.Draw(shaded, camera, 1280, 720, poses, rotors));
     }
   }
   state.counters["triangles"] = static_cast<double>(level.body.triangles.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/geometry/rotation.h"
@@ -33,12 +34,14 @@ inline Scenario ExampleScenario(Observe observe) {
   return scenario;
 }
 
+/// Its propellers turn by half in the 2 ms of an exposure, which shows whole discs.
 inline uav_truth_t TruthAt(int id, const Eigen::Vector3d& p_WB_m, double yaw_deg = 0) {
   uav_truth_t uav{};
   uav.id = id;
   Eigen::Map<Eigen::Vector3d>(uav.p_WB_m) = p_WB_m;
   uav.qw = std::cos(RadFromDeg(yaw_deg) / 2);
   uav.qz = std::sin(RadFromDeg(yaw_deg) / 2);
+  std::fill_n(uav.rotor_rate_hz, 4, 250);
   return uav;
 }
 

@@ -33,6 +33,9 @@ Eigen::Isometry3d At(const Eigen::Vector3d& p_C, const Eigen::Matrix3d& R_CB) {
   return X_CB;
 }
 
+// During an exposure of half a turn two blades pass every place once.
+const RotorTurning kHalfTurn{.phase_rev = {}, .rate_hz = {50, 50, 50, 50}, .duration_s = 0.01};
+
 struct Centroid {
   double x_px = 0, y_px = 0, area_px = 0;
 };
@@ -68,7 +71,7 @@ TEST(TargetPass, SphereIsWhereItsConeIs) {
                                 depth_m);
       const std::array poses = {At(p_C, RotationFromVector({0.3 * i, 0.1, 0.2}))};
       const TargetLayer layer =
-          pass.Draw(White(model, depth_m), Camera(), kWidth_px, kHeight_px, poses);
+          pass.Draw(White(model, depth_m), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
       const Centroid drawn = CentroidOf(layer);
       // The cone d·p = |p| cos, projected: an ellipse about f (X, Y) Z / (Z² - r²).
       const double r2 = kRadius_m * kRadius_m, t2 = p_C.z() * p_C.z() - r2;
@@ -110,7 +113,7 @@ TEST_P(Silhouette, IsWhereVerticesAreProjected) {
     const PinholeRadtan camera = Camera(-0.25, 0.4);
     const std::array poses = {X_CB};
     const std::array layers = {
-        pass.Draw(White(model, depth_m), camera, kWidth_px, kHeight_px, poses)};
+        pass.Draw(White(model, depth_m), camera, kWidth_px, kHeight_px, poses, kHalfTurn)};
     target_view_t view = ViewFromGeometry(outline, X_CB, camera, kWidth_px, kHeight_px);
     const image_box_t full = view.visible;
     SetVisibility(layers, 0, &view);
@@ -130,7 +133,8 @@ TEST(TargetPass, WidthIsFocalLengthTimesWidthOverDepth) {
   const PreparedModel model(MakeM200(true), 0.7);
   TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   const std::array poses = {At({0, 0, 20}, R_BC_Forward().transpose())};
-  const std::array layers = {pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses)};
+  const std::array layers = {
+      pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn)};
   target_view_t view{};
   SetVisibility(layers, 0, &view);
   EXPECT_NEAR(view.visible.w_px, 3215 * 0.880 / 20, 2.5);  // Discs are at ±0.23 m of depth: 1.6 px.
@@ -171,8 +175,8 @@ TEST(TargetPass, SubExposuresMeanMotion) {
   }
   const ShadedTarget target = White(model, 20);
   const std::array still = {poses[1]};
-  const TargetLayer blurred = pass.Draw(target, Camera(), kWidth_px, kHeight_px, poses);
-  const TargetLayer sharp = pass.Draw(target, Camera(), kWidth_px, kHeight_px, still);
+  const TargetLayer blurred = pass.Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
+  const TargetLayer sharp = pass.Draw(target, Camera(), kWidth_px, kHeight_px, still, kHalfTurn);
   const Centroid a = CentroidOf(blurred), b = CentroidOf(sharp);
   EXPECT_NEAR(a.x_px, b.x_px, 0.05);  // Symmetric about the middle of the exposure.
   EXPECT_NEAR(a.area_px, b.area_px, 0.01 * b.area_px);
@@ -189,8 +193,8 @@ TEST(TargetPass, GrowthThatOneDrawingHidesMovesNothing) {
   std::vector<Eigen::Isometry3d> poses;
   for (int i = -2; i <= 2; ++i) poses.push_back(At({0.4, 0.2, 8 - 0.0024 * i}, R_CB));
   const ShadedTarget target = White(model, 8);
-  const TargetLayer all = each.Draw(target, Camera(), kWidth_px, kHeight_px, poses);
-  const TargetLayer one = once.Draw(target, Camera(), kWidth_px, kHeight_px, poses);
+  const TargetLayer all = each.Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
+  const TargetLayer one = once.Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
   const Centroid a = CentroidOf(all), b = CentroidOf(one);
   EXPECT_NEAR(a.x_px, b.x_px, 0.02);
   EXPECT_NEAR(a.y_px, b.y_px, 0.02);
@@ -203,7 +207,8 @@ TEST(TargetPass, LeavesOutWhatIsBehindOrBeside) {
   for (const Eigen::Vector3d& p_C :
        {Eigen::Vector3d(0, 0, -10), Eigen::Vector3d(30, 0, 20), Eigen::Vector3d(0, -30, 20)}) {
     const std::array poses = {At(p_C, Eigen::Matrix3d::Identity())};
-    EXPECT_TRUE(pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses).roi.IsEmpty());
+    EXPECT_TRUE(pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn)
+                    .roi.IsEmpty());
   }
 }
 
@@ -212,8 +217,8 @@ TEST(TargetPass, SurvivesATargetAroundTheCamera) {
   TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
   for (const double depth_m : {0.0, 0.2, 0.5}) {
     const std::array poses = {At({0, 0, depth_m}, R_BC_Forward().transpose())};
-    const TargetLayer layer =
-        pass.Draw(White(model, depth_m), Camera(-0.25, 0.4), kWidth_px, kHeight_px, poses);
+    const TargetLayer layer = pass.Draw(White(model, depth_m), Camera(-0.25, 0.4), kWidth_px,
+                                        kHeight_px, poses, kHalfTurn);
     EXPECT_LE(layer.roi.width, kWidth_px);
     EXPECT_LE(layer.roi.height, kHeight_px);
   }
