@@ -23,7 +23,7 @@ struct GroundPoint {
 
 using Ground = std::function<Vector3f(const GroundPoint&)>;
 
-// Rows in `layers` are drawn in order, the farthest first.
+// Layers are added in order, the farthest first.
 class OutdoorEnvironment final : public Environment {
  public:
   OutdoorEnvironment(const EnvironmentConfig& config, float eye_height_m, Ground ground)
@@ -35,7 +35,7 @@ class OutdoorEnvironment final : public Environment {
 
   template <typename Layer>
   void Add(Layer layer) {
-    layers_.push_back([layer](const SceneRay& ray, Vector3f* colour) { layer.Draw(ray, colour); });
+    layers_.push_back([layer](const SceneRay& ray, Seen* seen) { layer.Draw(ray, seen); });
   }
   Sky& sky() { return sky_; }
 
@@ -43,9 +43,13 @@ class OutdoorEnvironment final : public Environment {
     const float level = std::sqrt(d_W.x() * d_W.x() + d_W.y() * d_W.y());
     const SceneRay ray{d_W, std::atan2(d_W.y(), d_W.x()), d_W.z() / std::max(level, 1e-4f),
                        footprint_rad, eye_height_m_};
-    Vector3f colour = d_W.z() < -1e-4f ? GroundColour(ray) : sky_.Radiance(ray);
-    for (const auto& draw : layers_) draw(ray, &colour);
-    return colour;
+    Seen seen;
+    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
+      (*layer)(ray, &seen);
+      if (seen.IsEnough()) return seen.colour();
+    }
+    seen.Add(d_W.z() < -1e-4f ? GroundColour(ray) : sky_.Radiance(ray), 1);
+    return seen.colour();
   }
 
  private:
@@ -61,7 +65,7 @@ class OutdoorEnvironment final : public Environment {
   float eye_height_m_;
   Ground ground_;
   Sky sky_;
-  std::vector<std::function<void(const SceneRay&, Vector3f*)>> layers_;
+  std::vector<std::function<void(const SceneRay&, Seen*)>> layers_;
 };
 
 Vector3f Grass(const GroundPoint& g) {

@@ -35,18 +35,14 @@ float SidewaysOf(const SceneRay& ray, float azimuth_deg, float distance_m) {
   return angle * distance_m;
 }
 
-void DrawTree(const TreeRow& row, int index, float x, float z, float footprint, Vector3f* colour) {
-  const float height =
-      row.min_height_m + (row.max_height_m - row.min_height_m) * CellHash(index, 1, row.seed);
-  const float bottom = height * row.trunk_share;
-  const float radius_z = (height - bottom) / 2;
-  const float radius_x = radius_z * (0.55f + 0.35f * CellHash(index, 2, row.seed));
-  const float trunk = height * 0.018f;
-  const float bark =
-      BandCoverage(x, -trunk, trunk, footprint) * BandCoverage(z, 0, height * 0.7f, footprint);
-  Blend(Hazed(Vector3f(0.055f, 0.042f, 0.032f) * (1.1f + x / trunk * 0.4f), row.distance_m), bark,
-        colour);
-  const float u = x / radius_x, v = (z - bottom - radius_z) / radius_z;
+// The leaves of a tree.
+struct Crown {
+  float middle_z, radius_x, radius_z;
+};
+
+void AddCrown(const TreeRow& row, int index, const Crown& crown, float x, float z, float footprint,
+              Seen* seen) {
+  const float u = x / crown.radius_x, v = (z - crown.middle_z) / crown.radius_z;
   const float r = std::sqrt(u * u + v * v);
   if (r > 1.35f) return;
   // Boughs give the outline and the large shadows, leaves the grain.
@@ -56,13 +52,30 @@ void DrawTree(const TreeRow& row, int index, float x, float z, float footprint, 
   const float leaves =
       FractalNoise(x / kLeaf_m, z / kLeaf_m, 3, footprint / kLeaf_m, own + 5) - 0.5f;
   const float edge = 1.05f - r + (boughs - 0.5f) * 0.9f + leaves * 0.35f;
-  const float soft = std::max(footprint / radius_x, 0.01f);
+  const float soft = std::max(footprint / crown.radius_x, 0.01f);
   const float coverage = SmoothStep(-soft, soft, edge);
+  if (coverage <= 0) return;
   const float relief = std::max(boughs + 0.9f * leaves - 0.1f, 0.0f);
   const float light = (0.5f + 0.35f * v - 0.2f * u) * relief * relief * 4.5f + 0.05f;
   const float tint = 0.8f + 0.4f * CellHash(index, 3, row.seed);
   const Vector3f leaf = row.leaf_colour.cwiseProduct(Vector3f(tint, 1, 2 - tint)) * light * 2;
-  Blend(Hazed(leaf, row.distance_m), coverage, colour);
+  seen->Add(Hazed(leaf, row.distance_m), coverage);
+}
+
+void DrawTree(const TreeRow& row, int index, float x, float z, float footprint, Seen* seen) {
+  const float height =
+      row.min_height_m + (row.max_height_m - row.min_height_m) * CellHash(index, 1, row.seed);
+  const float bottom = height * row.trunk_share;
+  const float radius_z = (height - bottom) / 2;
+  const float radius_x = radius_z * (0.55f + 0.35f * CellHash(index, 2, row.seed));
+  AddCrown(row, index, {bottom + radius_z, radius_x, radius_z}, x, z, footprint, seen);
+  if (seen->IsEnough()) return;
+  const float trunk = height * 0.018f;
+  const float bark =
+      BandCoverage(x, -trunk, trunk, footprint) * BandCoverage(z, 0, height * 0.7f, footprint);
+  if (bark <= 0) return;
+  seen->Add(Hazed(Vector3f(0.055f, 0.042f, 0.032f) * (1.1f + x / trunk * 0.4f), row.distance_m),
+            bark);
 }
 
 Vector3f WallColour(int index, std::uint32_t seed) {
@@ -119,20 +132,21 @@ Vector3f Sky::Radiance(const SceneRay& ray) const {
   return colour;
 }
 
-void TreeRow::Draw(const SceneRay& ray, Vector3f* colour) const {
+void TreeRow::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -0.5f || z > max_height_m * 1.3f) return;
   const RingCell cell = CellOf(ray, distance_m, spacing_m);
   const float footprint = ray.footprint_rad * distance_m;
-  for (const int step : {-1, 1, 0}) {
+  for (const int step : {0, 1, -1}) {
     const int index = Wrapped(cell.index + step, cell.count);
     const float jitter = 0.7f * (CellHash(index, 0, seed) - 0.5f);
     const float x = (cell.place - static_cast<float>(step) - 0.5f - jitter) * spacing_m;
-    DrawTree(*this, index, x, z, footprint, colour);
+    DrawTree(*this, index, x, z, footprint, seen);
+    if (seen->IsEnough()) return;
   }
 }
 
-void BuildingRow::Draw(const SceneRay& ray, Vector3f* colour) const {
+void BuildingRow::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -1 || z > max_height_m + 3) return;
   const RingCell cell = CellOf(ray, distance_m, plot_m);
@@ -151,10 +165,10 @@ void BuildingRow::Draw(const SceneRay& ray, Vector3f* colour) const {
   Vector3f wall = Facade(index, x - margin * plot_m, z, footprint, seed);
   wall *= CellHash(index, 9, seed) < 0.5f ? 1.0f : 0.6f;  // Lit by the sun, or in the shade.
   Blend(Vector3f(0.12f, 0.12f, 0.13f), BandCoverage(z, height - 0.5f, height, footprint), &wall);
-  Blend(Hazed(wall, distance_m), inside, colour);
+  seen->Add(Hazed(wall, distance_m), inside);
 }
 
-void Fence::Draw(const SceneRay& ray, Vector3f* colour) const {
+void Fence::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -0.2f || z > height_m + 0.2f) return;
   const float footprint = ray.footprint_rad * distance_m;
@@ -162,34 +176,35 @@ void Fence::Draw(const SceneRay& ray, Vector3f* colour) const {
   const float spacing = 2 * kPi * distance_m / static_cast<float>(posts);
   const float x = (ray.azimuth_rad + kPi) * distance_m;
   const float within = BandCoverage(z, 0, height_m, footprint);
+  const float post = StripeCoverage(x, spacing, 0.06f / spacing, footprint);
+  const float rail = BandCoverage(z, height_m - 0.06f, height_m, footprint) +
+                     BandCoverage(z, height_m / 2 - 0.03f, height_m / 2 + 0.03f, footprint);
+  seen->Add(Hazed(wire_colour * 1.3f, distance_m), within * std::min(post + rail, 1.0f));
   // Diamonds of wire, 5 cm wide: two families of diagonals.
   constexpr float kMesh_m = 0.07f, kWire_share = 0.07f;
   const float wires = 1 - (1 - StripeCoverage(x + z, kMesh_m, kWire_share, footprint * 1.4f)) *
                               (1 - StripeCoverage(x - z, kMesh_m, kWire_share, footprint * 1.4f));
-  Blend(Hazed(wire_colour, distance_m), within * wires, colour);
-  const float post = StripeCoverage(x, spacing, 0.06f / spacing, footprint);
-  const float rail = BandCoverage(z, height_m - 0.06f, height_m, footprint) +
-                     BandCoverage(z, height_m / 2 - 0.03f, height_m / 2 + 0.03f, footprint);
-  Blend(Hazed(wire_colour * 1.3f, distance_m), within * std::min(post + rail, 1.0f), colour);
+  seen->Add(Hazed(wire_colour, distance_m), within * wires);
 }
 
-void Mast::Draw(const SceneRay& ray, Vector3f* colour_out) const {
+void Mast::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
+  if (z < -0.5f || z > height_m + head_height_m + 0.5f) return;
   const float x = SidewaysOf(ray, azimuth_deg, distance_m);
   const float reach_m = std::max(head_width_m, 2 * radius_m);
-  if (std::abs(x) > reach_m || z < -0.5f || z > height_m + head_height_m + 0.5f) return;
+  if (std::abs(x) > reach_m) return;
   const float footprint = ray.footprint_rad * distance_m;
   const float pole =
       BandCoverage(x, -radius_m, radius_m, footprint) * BandCoverage(z, 0, height_m, footprint);
   const float head = BandCoverage(x, -head_width_m / 2, head_width_m / 2, footprint) *
                      BandCoverage(z, height_m, height_m + head_height_m, footprint);
-  Blend(Hazed(colour, distance_m), pole, colour_out);
   const float lamps = StripeCoverage(x, head_width_m / 4, 0.7f, footprint) *
                       StripeCoverage(z - height_m, head_height_m / 2, 0.7f, footprint);
-  Blend(Hazed(colour * 0.6f + lamps * Vector3f::Constant(0.5f), distance_m), head, colour_out);
+  seen->Add(Hazed(colour * 0.6f + lamps * Vector3f::Constant(0.5f), distance_m), head);
+  seen->Add(Hazed(colour, distance_m), pole);
 }
 
-void Hoop::Draw(const SceneRay& ray, Vector3f* colour) const {
+void Hoop::Draw(const SceneRay& ray, Seen* seen) const {
   const float x = SidewaysOf(ray, azimuth_deg, distance_m), z = ray.HeightAt(distance_m);
   if (std::abs(x) > 1.5f || z < -0.2f || z > 4.3f) return;
   const float footprint = ray.footprint_rad * distance_m;
@@ -197,17 +212,17 @@ void Hoop::Draw(const SceneRay& ray, Vector3f* colour) const {
     return BandCoverage(x, x0, x1, footprint) * BandCoverage(z, z0, z1, footprint);
   };
   const Vector3f steel(0.16f, 0.17f, 0.19f), red(0.55f, 0.06f, 0.03f), white(0.8f, 0.8f, 0.8f);
-  Blend(steel, box(-0.10f, 0.10f, 0, 3.1f), colour);
   // FIBA: board 1.80 × 1.05 m from 2.90 m, inner rectangle 0.59 × 0.45 m, ring 0.45 m at 3.05 m.
-  Blend(red, box(-0.93f, 0.93f, 2.87f, 3.98f), colour);
-  Blend(white, box(-0.90f, 0.90f, 2.90f, 3.95f), colour);
-  Blend(red, box(-0.295f, 0.295f, 3.05f, 3.50f), colour);
-  Blend(white, box(-0.245f, 0.245f, 3.10f, 3.45f), colour);
+  seen->Add(Vector3f(0.75f, 0.16f, 0.03f), box(-0.245f, 0.245f, 3.02f, 3.07f));
   const float taper = 0.225f - 0.10f * (3.05f - z) / 0.45f;
   const float net = StripeCoverage(x + z, 0.09f, 0.25f, footprint) +
                     StripeCoverage(x - z, 0.09f, 0.25f, footprint);
-  Blend(white, std::min(net, 1.0f) * box(-taper, taper, 2.60f, 3.03f), colour);
-  Blend(Vector3f(0.75f, 0.16f, 0.03f), box(-0.245f, 0.245f, 3.02f, 3.07f), colour);
+  seen->Add(white, std::min(net, 1.0f) * box(-taper, taper, 2.60f, 3.03f));
+  seen->Add(white, box(-0.245f, 0.245f, 3.10f, 3.45f));
+  seen->Add(red, box(-0.295f, 0.295f, 3.05f, 3.50f));
+  seen->Add(white, box(-0.90f, 0.90f, 2.90f, 3.95f));
+  seen->Add(red, box(-0.93f, 0.93f, 2.87f, 3.98f));
+  seen->Add(steel, box(-0.10f, 0.10f, 0, 3.1f));
 }
 
 }  // namespace windhover

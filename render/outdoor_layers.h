@@ -32,6 +32,22 @@ inline void Blend(const Eigen::Vector3f& over, float coverage, Eigen::Vector3f* 
   *colour += coverage * (over - *colour);
 }
 
+/// What a ray meets, the nearest first, so that nothing hidden need be looked at.
+class Seen {
+ public:
+  void Add(const Eigen::Vector3f& colour, float coverage) {
+    colour_ += clear_ * coverage * colour;
+    clear_ *= 1 - coverage;
+  }
+  /// What is left to see is less than a third of a grey level in 8 bits, even next to black.
+  bool IsEnough() const { return clear_ < 1e-4f; }
+  const Eigen::Vector3f& colour() const { return colour_; }
+
+ private:
+  Eigen::Vector3f colour_ = Eigen::Vector3f::Zero();
+  float clear_ = 1;
+};
+
 /// Blue sky with clouds and a sun.
 struct Sky {
   Eigen::Vector3f sun_direction_W;
@@ -45,7 +61,7 @@ struct TreeRow {
   float trunk_share;  ///< Height of the lowest leaves over the tree's height.
   Eigen::Vector3f leaf_colour;
   std::uint32_t seed;
-  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+  void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
 /// A ring of buildings with windows.
@@ -53,14 +69,14 @@ struct BuildingRow {
   float distance_m, plot_m, min_height_m, max_height_m;
   float gap_share;  ///< Share of plots that are empty.
   std::uint32_t seed;
-  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+  void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
 /// A ring of fence: posts, a top rail and wire mesh.
 struct Fence {
   float distance_m, height_m, post_spacing_m;
   Eigen::Vector3f wire_colour;
-  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+  void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
 /// Thin upright things at given places: floodlights, lamp posts.
@@ -68,13 +84,13 @@ struct Mast {
   float azimuth_deg, distance_m, height_m, radius_m;
   float head_width_m, head_height_m;  ///< A box on top.
   Eigen::Vector3f colour;
-  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+  void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
 /// A basketball hoop that faces the eye: backboard, square, ring, net and post.
 struct Hoop {
   float azimuth_deg, distance_m;
-  void Draw(const SceneRay& ray, Eigen::Vector3f* colour) const;
+  void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
 }  // namespace windhover
