@@ -13,12 +13,14 @@ namespace {
 
 using D = Disturbance;
 
-/// The bar as it is, but neither warm nor slipping.
-FlexConfig OnlyElastic(FlexConfig flex) {
-  flex.thermal_gradient_K = flex.thermal_mean_K = 0;
-  flex.drift = {};
-  flex.landing = {};
-  return flex;
+// The bar as it is, as warm and slipping as before.
+void CopyBar(const FlexConfig& from, FlexConfig* to) {
+  const FlexConfig before = *to;
+  *to = from;
+  to->thermal_gradient_K = before.thermal_gradient_K;
+  to->thermal_mean_K = before.thermal_mean_K;
+  to->drift = before.drift;
+  to->landing = before.landing;
 }
 
 void AddVibration(const Scenario& scenario, ErrorSources* sources) {
@@ -39,7 +41,7 @@ void AddVibration(const Scenario& scenario, ErrorSources* sources) {
                       .switch_on =
                           [](const Scenario& from, Scenario* to) {
                             to->vibration = from.vibration;
-                            to->flex = OnlyElastic(from.flex);
+                            CopyBar(from.flex, &to->flex);
                           },
                       .first_order =
                           [rms](const Scenario&, const Sight& at) {
@@ -59,7 +61,7 @@ void AddBarRow(const char* name, const char* key, DistanceLaw law,
                       .law = law,
                       .switch_on =
                           [set](const Scenario& from, Scenario* to) {
-                            to->flex = OnlyElastic(from.flex);
+                            CopyBar(from.flex, &to->flex);
                             set(from.flex, &to->flex);
                           },
                       .first_order = std::move(first_order)});
@@ -112,7 +114,8 @@ void AddSlips(const Scenario& scenario, ErrorSources* sources) {
       [=](const Scenario&, const Sight& at) {
         // All three angles come at once: one disturbance that is there or not.
         const Effect then = OfAngles({angles_deg, {}}, at);
-        return Effect{after * then.bias_m, std::abs(then.bias_m) * std::sqrt(after * (1 - after))};
+        return Effect{after * then.bias_m, std::abs(then.bias_m) * std::sqrt(after * (1 - after)),
+                      then.left_out};
       },
       sources);
 }

@@ -1,5 +1,6 @@
 #include "budget/error_budget.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace windhover {
@@ -14,18 +15,41 @@ std::vector<Effect> FirstOrder(const ErrorSource& source, const Scenario& scenar
   return effects;
 }
 
-void AddRow(const ErrorSource& source, const Scenario& scenario, const BudgetPlan& plan,
-            ErrorBudget* budget) {
-  BudgetRow row{.name = source.name,
-                .key = source.key,
-                .law = source.law,
-                .first_order = FirstOrder(source, scenario, plan),
-                .simulated = {},
-                .variance_share = {}};
-  Scenario alone = InOrder(scenario);
-  source.switch_on(scenario, &alone);
-  row.simulated = Simulate(alone, plan).effects;
-  budget->rows.push_back(std::move(row));
+bool IsConstant(const BudgetRow& row) {
+  return std::all_of(row.first_order.begin(), row.first_order.end(),
+                     [](const Effect& effect) { return effect.sigma_m == 0; });
+}
+
+std::vector<BudgetRow> RowsOf(const std::vector<ErrorSource>& sources, const Scenario& scenario,
+                              const BudgetPlan& plan) {
+  const Scenario order = InOrder(scenario);
+  std::vector<BudgetRow> rows;
+  Scenario constants = order;
+  bool has_constants = false;
+  for (const ErrorSource& source : sources) {
+    BudgetRow& row = rows.emplace_back();
+    row.name = source.name;
+    row.key = source.key;
+    row.law = source.law;
+    row.first_order = FirstOrder(source, scenario, plan);
+    Scenario alone = order;
+    source.switch_on(scenario, &alone);
+    row.simulated = Simulate(alone, plan).effects;
+    if (!IsConstant(row)) continue;
+    source.switch_on(scenario, &constants);
+    has_constants = true;
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    BudgetRow& row = rows[i];
+    row.beside_constants_m.resize(plan.distances_m.size());
+    if (IsConstant(row)) continue;
+    Scenario beside = constants;
+    sources[i].switch_on(scenario, &beside);
+    const std::vector<Effect> effects =
+        has_constants ? Simulate(beside, plan).effects : row.simulated;
+    for (std::size_t k = 0; k < effects.size(); ++k) row.beside_constants_m[k] = effects[k].sigma_m;
+  }
+  return rows;
 }
 
 std::vector<Effect> Sum(const std::vector<BudgetRow>& rows, std::size_t n_distances,
@@ -41,28 +65,34 @@ std::vector<Effect> Sum(const std::vector<BudgetRow>& rows, std::size_t n_distan
   return sum;
 }
 
+// Of each row in the sum of all variances, and that sum.
+void AddShares(ErrorBudget* budget) {
+  const std::size_t n = budget->distances_m.size();
+  budget->beside_constants_sum_m.assign(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    double& all_m = budget->beside_constants_sum_m[i];
+    for (const BudgetRow& row : budget->rows) all_m = std::hypot(all_m, row.beside_constants_m[i]);
+    for (BudgetRow& row : budget->rows) {
+      const double share = all_m > 0 ? row.beside_constants_m[i] / all_m : 0;
+      row.variance_share.push_back(share * share);
+    }
+  }
+}
+
 }  // namespace
 
 ErrorBudget ComputeErrorBudget(const Scenario& scenario, const BudgetPlan& plan) {
   ErrorBudget budget;
   budget.description = scenario.description;
   budget.distances_m = plan.distances_m;
-  for (const ErrorSource& source : ErrorSourcesOf(scenario)) {
-    AddRow(source, scenario, plan, &budget);
-  }
+  budget.rows = RowsOf(ErrorSourcesOf(scenario), scenario, plan);
   const std::size_t n = plan.distances_m.size();
   budget.first_order_sum = Sum(budget.rows, n, &BudgetRow::first_order);
   budget.simulated_sum = Sum(budget.rows, n, &BudgetRow::simulated);
   SimulatedErrors together = Simulate(scenario, plan);
   budget.together = std::move(together.effects);
   budget.no_distance = std::move(together.no_distance);
-  for (BudgetRow& row : budget.rows) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const double all_m = budget.simulated_sum[i].sigma_m;
-      const double share = all_m > 0 ? row.simulated[i].sigma_m / all_m : 0;
-      row.variance_share.push_back(share * share);
-    }
-  }
+  AddShares(&budget);
   return budget;
 }
 

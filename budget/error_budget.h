@@ -21,7 +21,13 @@ struct BudgetPlan {
 /// An error of distance: estimate minus reference.
 struct Effect {
   double bias_m = 0, sigma_m = 0;
+  /// Of one to first order: by which share of it the next order differs, x of a constant error of
+  /// x of the disparity, 4 s² of noise of s of it. Labels have none: their errors add up.
+  double left_out = 0;
 };
+
+/// Below this an effect is small: simulation agrees with first order to as much.
+inline constexpr double kSmall = 0.03;
 
 /// One thing that is wrong with a scenario's rig, its detector or its labels.
 struct ErrorSource {
@@ -52,7 +58,10 @@ struct BudgetRow {
   std::string name, key;
   DistanceLaw law;
   std::vector<Effect> first_order, simulated;  ///< One a distance.
-  std::vector<double> variance_share;          ///< Of the sum of all rows' simulated variances.
+  /// Standard deviation, simulated with everything constant switched on too, which moves the
+  /// distance at which noise acts; 0 of what is constant itself.
+  std::vector<double> beside_constants_m;
+  std::vector<double> variance_share;  ///< Of the sum of all rows' variances beside constants.
 };
 
 struct ErrorBudget {
@@ -61,8 +70,9 @@ struct ErrorBudget {
   std::vector<BudgetRow> rows;
   std::vector<Effect> first_order_sum;  ///< Biases summed, deviations by root of sum of squares.
   std::vector<Effect> simulated_sum;    ///< The same of the simulated rows.
-  std::vector<Effect> together;         ///< Simulated with everything on.
-  std::vector<double> no_distance;      ///< Then.
+  std::vector<double> beside_constants_sum_m;  ///< Root of the sum of squares.
+  std::vector<Effect> together;     ///< Simulated with everything on.
+  std::vector<double> no_distance;  ///< Then.
 };
 
 /// The first-order and the simulated effect of everything that `scenario` switches on: one at a

@@ -86,8 +86,9 @@ void AddRemounting(const Scenario& scenario, ErrorSources* sources) {
 
 Effect OfDisparity(const Sight& at, double mean_px, double sigma_px) {
   const double by_depth = RangeByDepth(at);
+  const double mean = std::abs(mean_px) / at.disparity_px(), sigma = sigma_px / at.disparity_px();
   return {by_depth * (DepthError_m(at, mean_px) + InverseDisparityBias_m(at, sigma_px)),
-          by_depth * std::abs(DepthError_m(at, sigma_px))};
+          by_depth * std::abs(DepthError_m(at, sigma_px)), mean + 4 * sigma * sigma};
 }
 
 Effect OfAmount(Disturbance disturbance, const Sight& at, double amount) {
@@ -109,6 +110,8 @@ std::vector<ErrorSource> ErrorSourcesOf(const Scenario& scenario) {
   ErrorSources sources;
   AddMisalignment(scenario, &sources);
   AddRemounting(scenario, &sources);
+  AddLensSources(scenario, &sources);
+  AddShutterSources(scenario, &sources);
   AddBarSources(scenario, &sources);
   AddBoxSources(scenario, &sources);
   AddLabelSources(scenario, &sources);
@@ -120,17 +123,16 @@ Scenario InOrder(const Scenario& scenario) {
   order.rig.misalignment = {};
   order.flex = {};
   order.vibration = {};
-  order.geometric = {.sigma_px = 0,
-                     .sigma_relative = 0,
-                     .size_factor = scenario.geometric.size_factor,
-                     .correlation = scenario.geometric.correlation,
-                     .gross_rate = 0,
-                     .gross_sigma = 0,
-                     .miss_rate = 0};
-  // The lever belongs to the mount: an antenna in the middle of the baseline has none.
+  order.geometric = {};
+  order.optics = {};
+  order.exposure.shutter = Shutter::kGlobal;
+  order.exposure.skew_ms = order.exposure.jitter_ms = 0;
+  order.geometric.sigma_px = order.geometric.sigma_relative = 0;
+  // Antennas in the middle of the aircraft, and the middle of the baseline there too.
   order.uwb = {};
   order.uwb.sigma_m = 0;
-  order.uwb.antenna_m = scenario.rig.calibrated.mount.position_m;
+  for (Aircraft& aircraft : order.aircraft) aircraft.uwb_antenna_m = {0, 0, 0};
+  order.rig.calibrated.mount.position_m = {0, 0, 0};
   order.score.reference = ScoreReference::kRange;
   return order;
 }

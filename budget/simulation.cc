@@ -11,6 +11,8 @@
 #include "common/geometry/rotation.h"
 #include "common/random/random_stream.h"
 #include "rig/base_vibration.h"
+#include "rig/exposure.h"
+#include "rig/optics.h"
 #include "rig/rig_motion.h"
 
 namespace windhover {
@@ -42,21 +44,42 @@ Vector3d Direction(const BudgetPlan& plan) {
       .normalized();
 }
 
-GeometricConfig Exact() {
-  GeometricConfig exact;
-  exact.sigma_px = exact.sigma_relative = 0;
-  return exact;
-}
+/// Both cameras at one instant, each when it exposes a row.
+class Exposures {
+ public:
+  Exposures(const RigMotion& motion, const RigDrive& drive, const StereoShutterTimes& times)
+      : motion_(motion), drive_(drive), times_(times) {}
+
+  /// A target that is at `p_RT_m` when the frame is due, and moves on. `row`: where it is seen.
+  std::optional<StereoPixels> Project(const Vector3d& p_RT_m, const Vector3d& v_mps, double row) {
+    const double left_s = times_.left.RowMiddle_s(row), right_s = times_.right.RowMiddle_s(row);
+    if (rigs_.empty() || left_s != left_s_ || right_s != right_s_) {
+      std::vector<double> times_s = {drive_.start_s + left_s};
+      if (right_s != left_s) times_s.push_back(drive_.start_s + right_s);
+      rigs_ = motion_.AtMany(times_s, drive_);
+      left_s_ = left_s, right_s_ = right_s;
+    }
+    const auto left_px = rigs_[0].left.Project(p_RT_m + left_s * v_mps);
+    const auto right_px = rigs_.back().right.Project(p_RT_m + right_s * v_mps);
+    if (!left_px || !right_px) return std::nullopt;
+    return StereoPixels{*left_px, *right_px};
+  }
+
+ private:
+  const RigMotion& motion_;
+  RigDrive drive_;
+  StereoShutterTimes times_;
+  double left_s_ = 0, right_s_ = 0;
+  std::vector<PosedStereoRig> rigs_;  ///< At both times.
+};
 
 /// The random numbers of one flight.
 struct Flight {
-  Flight(const Scenario& scenario, std::uint64_t flight_seed)
+  Flight(const Scenario& scenario, const StereoRig& at_rest, const GeometricConfig& noise,
+         std::uint64_t flight_seed)
       : seed(flight_seed),
-        rig(scenario.rig.calibrated.ToStereoRig(), scenario.rig.misalignment, scenario.flex,
-            scenario.vibration, seed, kObserver),
-        // Of other ways to observe only the pictures know how boxes err.
-        boxes(scenario.observe == Observe::kGeometric ? scenario.geometric : Exact(), seed,
-              fmt::format("{}/geometric/target1", kObserver)),
+        rig(at_rest, scenario.rig.misalignment, scenario.flex, scenario.vibration, seed, kObserver),
+        boxes(noise, seed, fmt::format("{}/geometric/target1", kObserver)),
         label(scenario, seed) {}
 
   std::uint64_t seed;
@@ -78,20 +101,30 @@ class Simulation {
       : scenario_(scenario),
         plan_(plan),
         calibrated_(scenario.rig.calibrated.ToStereoRig()),
-        moments_(plan.distances_m.size()) {}
+        at_rest_(WithOptics(calibrated_, scenario.optics, 1e-3 * scenario.rig.calibrated.focal_mm)),
+        // Of other ways to observe only the pictures know how boxes err.
+        boxes_(scenario.observe == Observe::kGeometric ? scenario.geometric
+                                                       : InOrder(scenario).geometric),
+        moments_(plan.distances_m.size()) {
+    for (const double distance_m : plan.distances_m) {
+      const auto seen = Posed(calibrated_).left.Project(distance_m * Direction(plan));
+      rows_.push_back(seen ? seen->y() : 0);  // Unseen there is no distance either.
+    }
+  }
 
   void Fly(std::uint64_t seed) {
-    const Flight flight(scenario_, seed);
+    const Flight flight(scenario_, at_rest_, boxes_, seed);
     RandomStream random(seed, "budget/instants");
     const std::array<double, 4> rates_hz = RotorRates_hz(&random);
     for (int i = 0; i < plan_.n_instants; ++i) {
       const double t_s = random.Uniform(0, scenario_.duration_s);
-      const PosedStereoRig rig = flight.rig.At(t_s, Hovering(t_s, rates_hz, &random));
+      Exposures exposures(flight.rig, Hovering(t_s, rates_hz, &random), ShuttersAt(seed, t_s));
       for (std::size_t k = 0; k < plan_.distances_m.size(); ++k) {
         const Vector3d p_RT_m = plan_.distances_m[k] * Direction(plan_);
-        const auto range_m = EstimatedRange_m(flight, rig, i, p_RT_m);
+        const auto range_m = EstimatedRange_m(flight, i, p_RT_m, rows_[k], &exposures);
         if (!range_m) continue;
-        moments_[k].Add(*range_m - p_RT_m.norm() - flight.label.At_m(i, p_RT_m, plan_.v_mps));
+        const double label_m = flight.label.At_m(i, t_s, p_RT_m, plan_.v_mps);
+        moments_[k].Add(*range_m - p_RT_m.norm() - label_m);
       }
     }
   }
@@ -126,9 +159,17 @@ class Simulation {
     return drive;
   }
 
-  std::optional<double> EstimatedRange_m(const Flight& flight, const PosedStereoRig& rig,
-                                         int instant, const Vector3d& p_RT_m) const {
-    const auto seen = Project(rig, p_RT_m);
+  // Of a frame with its middle at t_s. The random numbers are those of the time in microseconds.
+  StereoShutterTimes ShuttersAt(std::uint64_t seed, double t_s) const {
+    const ExposureConfig& exposure = scenario_.exposure;
+    const double duration_s = 1e-3 * exposure.duration_ms;
+    return ShutterTimesAt(exposure, duration_s, duration_s, calibrated_.height_px, seed, kObserver,
+                          std::llround(1e6 * t_s));
+  }
+
+  std::optional<double> EstimatedRange_m(const Flight& flight, int instant, const Vector3d& p_RT_m,
+                                         double row, Exposures* exposures) const {
+    const auto seen = exposures->Project(p_RT_m, plan_.v_mps, row);
     if (!seen) return std::nullopt;
     const BoxSize size = SizeOf(scenario_, p_RT_m.z());
     const auto errors = flight.boxes.At(instant, size, size);
@@ -142,7 +183,9 @@ class Simulation {
 
   const Scenario& scenario_;
   const BudgetPlan& plan_;
-  StereoRig calibrated_;
+  StereoRig calibrated_, at_rest_;
+  GeometricConfig boxes_;
+  std::vector<double> rows_;  ///< That see the target, one a distance.
   std::vector<Moments> moments_;
 };
 

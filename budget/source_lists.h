@@ -11,6 +11,10 @@ using ErrorSources = std::vector<ErrorSource>;
 
 // Each appends what `scenario` switches on.
 
+/// Focus and warmth of the lenses.
+void AddLensSources(const Scenario& scenario, ErrorSources* sources);
+/// When the cameras expose.
+void AddShutterSources(const Scenario& scenario, ErrorSources* sources);
 /// Vibration, warmth, drift and landings.
 void AddBarSources(const Scenario& scenario, ErrorSources* sources);
 /// Noise and gross errors of geometric boxes.

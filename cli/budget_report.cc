@@ -24,6 +24,12 @@ Json EffectsJson(const Effects& effects, const std::vector<double>& distances_m)
   return json;
 }
 
+Json AreSmall(const Effects& first_order) {
+  Json json = Json::array();
+  for (const Effect& effect : first_order) json.push_back(effect.left_out < kSmall);
+  return json;
+}
+
 std::string Number(double value) {
   const double size = std::abs(value);
   if (size < 5e-4) return "0";
@@ -39,7 +45,7 @@ std::string Cell(const Effect& effect) {
 
 std::string Line(const std::string& name, const std::string& law, const char* how,
                  const std::vector<std::string>& cells) {
-  std::string text = fmt::format("{:<36} {:<6}{:<12}", name, law, how);
+  std::string text = fmt::format("{:<48} {:<6}{:<14}", name, law, how);
   for (const std::string& cell : cells) text += fmt::format("{:>16}", cell);
   return text + "\n";
 }
@@ -47,6 +53,16 @@ std::string Line(const std::string& name, const std::string& law, const char* ho
 std::vector<std::string> Cells(const Effects& effects) {
   std::vector<std::string> cells;
   for (const Effect& effect : effects) cells.push_back(Cell(effect));
+  return cells;
+}
+
+// In parentheses where first order leaves out too much.
+std::vector<std::string> FirstOrderCells(const Effects& effects) {
+  std::vector<std::string> cells;
+  for (const Effect& effect : effects) {
+    const std::string cell = Cell(effect);
+    cells.push_back(effect.left_out < kSmall ? cell : "(" + cell + ")");
+  }
   return cells;
 }
 
@@ -59,6 +75,12 @@ std::vector<std::string> Heads(const std::vector<double>& distances_m) {
 std::vector<std::string> Percent(const std::vector<double>& shares) {
   std::vector<std::string> cells;
   for (const double share : shares) cells.push_back(fmt::format("{:.1f} %", 100 * share));
+  return cells;
+}
+
+std::vector<std::string> Deviations(const std::vector<double>& sigmas_m) {
+  std::vector<std::string> cells;
+  for (const double sigma_m : sigmas_m) cells.push_back("±" + Number(sigma_m));
   return cells;
 }
 
@@ -82,7 +104,9 @@ Json BudgetJson(const ErrorBudget& budget, const BudgetPlan& plan) {
                        {"key", row.key},
                        {"law", NameOf(row.law)},
                        {"first_order", EffectsJson(row.first_order, budget.distances_m)},
+                       {"small", AreSmall(row.first_order)},
                        {"simulated", EffectsJson(row.simulated, budget.distances_m)},
+                       {"beside_constants_sigma_m", row.beside_constants_m},
                        {"variance_share", row.variance_share}});
   }
   return {{"description", budget.description},
@@ -94,6 +118,7 @@ Json BudgetJson(const ErrorBudget& budget, const BudgetPlan& plan) {
           {"sources", std::move(sources)},
           {"first_order_sum", EffectsJson(budget.first_order_sum, budget.distances_m)},
           {"simulated_sum", EffectsJson(budget.simulated_sum, budget.distances_m)},
+          {"beside_constants_sum_sigma_m", budget.beside_constants_sum_m},
           {"together", EffectsJson(budget.together, budget.distances_m)},
           {"no_distance", budget.no_distance}};
 }
@@ -102,10 +127,11 @@ std::string BudgetText(const ErrorBudget& budget) {
   const std::vector<std::string> heads = Heads(budget.distances_m);
   std::string text = fmt::format(
       "{}\nError of the distance in metres: mean ± standard deviation. Law: how it grows with "
-      "distance.\n\n{}",
-      budget.description, Line("", "law", "", heads));
+      "distance. In parentheses: first order leaves out more than {} %. Variance: share of it "
+      "where the constant errors put the distance.\n\n{}",
+      budget.description, 100 * kSmall, Line("", "law", "", heads));
   for (const BudgetRow& row : budget.rows) {
-    text += Line(row.name, NameOf(row.law), "first order", Cells(row.first_order));
+    text += Line(row.name, NameOf(row.law), "first order", FirstOrderCells(row.first_order));
     text += Line("  " + row.key, "", "simulated", Cells(row.simulated));
     const bool has_variance = std::any_of(row.variance_share.begin(), row.variance_share.end(),
                                           [](double share) { return share >= 5e-4; });
@@ -113,6 +139,7 @@ std::string BudgetText(const ErrorBudget& budget) {
   }
   text += "\n" + Line("sum", "", "first order", Cells(budget.first_order_sum));
   text += Line("", "", "simulated", Cells(budget.simulated_sum));
+  text += Line("", "", "where they act", Deviations(budget.beside_constants_sum_m));
   text += Line("all together", "", "simulated", Cells(budget.together));
   std::vector<std::string> relative;
   for (std::size_t i = 0; i < budget.together.size(); ++i) {

@@ -10,8 +10,9 @@ namespace windhover {
 
 /// A budget as JSON: {"description", "bearing_deg", "distances_m", "sources": [{"name", "key",
 /// "law", "first_order": [{"bias_m", "sigma_m", "bias_percent", "sigma_percent"}, …],
-/// "simulated": […], "variance_share": […]}], "first_order_sum", "simulated_sum", "together",
-/// "no_distance"}; lists go with distances_m.
+/// "small": [true, …], "simulated": […], "beside_constants_sigma_m": […], "variance_share": […]}],
+/// "first_order_sum", "simulated_sum", "beside_constants_sum_sigma_m", "together", "no_distance"};
+/// lists go with distances_m.
 nlohmann::ordered_json BudgetJson(const ErrorBudget& budget, const BudgetPlan& plan);
 
 /// The same as a table for a terminal.

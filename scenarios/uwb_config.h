@@ -6,7 +6,7 @@
 
 namespace windhover {
 
-/// How two radios measure their distance (sim/two_way_ranging.h).
+/// How two radios measure their distance (common/ranging/two_way_ranging.h).
 enum class Ranging { kIdeal, kSingleSided, kDoubleSided };
 template <>
 inline constexpr EnumNames<Ranging> kEnumNames<Ranging>{{Ranging::kIdeal, "ideal"},

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/two_way_ranging.h"
+#include "common/ranging/two_way_ranging.h"
 
 namespace windhover {
 namespace {

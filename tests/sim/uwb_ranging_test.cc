@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/geometry/rotation.h"
-#include "sim/two_way_ranging.h"
+#include "common/ranging/two_way_ranging.h"
 
 namespace windhover {
 namespace {

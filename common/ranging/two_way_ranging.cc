@@ -1,4 +1,4 @@
-#include "sim/two_way_ranging.h"
+#include "common/ranging/two_way_ranging.h"
 
 #include <algorithm>
 #include <array>
