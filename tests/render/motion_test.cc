@@ -48,5 +48,16 @@ TEST(BackgroundNodes, AreNoMoreThanAllowed) {
   EXPECT_EQ(BackgroundNodes(20, 1, 1).size(), 1u);
 }
 
+// 50 turns a second for 2 ms: a tenth of a turn.
+TEST(TurningOf, CarriesRotorsOnToTheExposure) {
+  uav_truth_t truth{};
+  truth.rotor_phase_rev[2] = 0.1;
+  truth.rotor_rate_hz[2] = 50;
+  const RotorTurning turning = TurningOf(truth, 2e-3, 1e-3);
+  EXPECT_NEAR(turning.phase_rev[2], 0.2, 1e-12);
+  EXPECT_EQ(turning.rate_hz[2], 50);
+  EXPECT_EQ(turning.duration_s, 1e-3);
+}
+
 }  // namespace
 }  // namespace windhover

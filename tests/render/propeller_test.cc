@@ -28,6 +28,15 @@ Vector3d Polar(double r_m, double angle_rad) {
   return kTop + Vector3d(r_m * std::cos(angle_rad), r_m * std::sin(angle_rad), 0);
 }
 
+// Of a turn in 10 ms about 0.5, the first half is at 0.25, and lasts 5 ms.
+TEST(Propeller, TurnsOnFromPartToPart) {
+  const RotorTurning first = Turning(0.5, 1).Part(0, 2), last = Turning(0.5, 1).Part(1, 2);
+  EXPECT_NEAR(first.phase_rev[3], 0.25, 1e-12);
+  EXPECT_NEAR(last.phase_rev[3], 0.75, 1e-12);
+  EXPECT_NEAR(first.duration_s, 0.005, 1e-15);
+  EXPECT_EQ(first.rate_hz[3], 100);
+}
+
 // Seen along its axis, a propeller at rest is its blades: rotor 3 turns counter-clockwise.
 TEST(Propeller, AtRestIsItsBlades) {
   const auto at = [](double phase_rev, double angle_rad) {

@@ -186,6 +186,22 @@ TEST(Quadrotor, StateIsConsistent) {
   EXPECT_NEAR(after.rotor_phase_rev()[3], h_s * 330 / (2 * EIGEN_PI), 1e-12);
 }
 
+// A body that turns about a centre of mass beside B's origin: 2 rad/s and 0.03 m make 0.06 m/s.
+TEST(Quadrotor, StartsFromTheBodysState) {
+  QuadrotorParameters my = BothTypes()[0];
+  my.cg_B_m = {0.03, 0, 0};
+  Kinematics body;
+  body.p_WB_m = {1, 2, 3};
+  body.v_WB_mps = {4, 5, 6};
+  body.w_WB_B_radps = {0, 0, 2};
+  Quadrotor quadrotor(my);
+  quadrotor.Reset(body, Vector4d::Constant(10));
+  EXPECT_LT((quadrotor.state().segment<3>(3) - Vector3d(4, 5.06, 6)).norm(), 1e-12);
+  const Kinematics again = quadrotor.Body(kCalm);
+  EXPECT_LT((again.p_WB_m - body.p_WB_m).norm(), 1e-12);
+  EXPECT_LT((again.v_WB_mps - body.v_WB_mps).norm(), 1e-12);
+}
+
 TEST(Allocation, GivesTheForceAndTorqueAskedFor) {
   for (const QuadrotorParameters& my : BothTypes()) {
     for (const Vector3d& about : {Vector3d(0, 0, 0), Vector3d(0.03, -0.02, 0.05)}) {
