@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "common/geometry/rotation.h"
 #include "common/time/sim_time.h"
@@ -139,36 +140,36 @@ ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
   return plan;
 }
 
-WorldCameras CamerasAt(const world_truth_t& world, std::size_t observer,
-                       const Eigen::Isometry3d& X_BR, const RigMotion& rig, double dt_s) {
-  const Eigen::Isometry3d X_WR = PoseAt(world.uavs[observer], dt_s) * X_BR;
-  const PosedStereoRig posed =
-      rig.At(SecondsFromUtime(world.utime) + dt_s, DriveOf(world, observer));
-  return {posed.left.camera, posed.right.camera, X_WR * posed.left.X_RC, X_WR * posed.right.X_RC};
-}
-
 StereoRowCameras CamerasByRows(const world_truth_t& world, std::size_t observer,
                                const Eigen::Isometry3d& X_BR, const RigMotion& rig,
                                const StereoShutterTimes& shutter, int height_px, double offset_s) {
-  const bool rolls = shutter.left.row_time_s != 0;
-  const int count = rolls ? (height_px + kRowStep_px - 1) / kRowStep_px + 1 : 1;
-  StereoRowCameras rows;
-  for (int i = 0; i < count; ++i) {
-    const auto time_s = [&](const ShutterTimes& times) {
-      return (rolls ? times.RowMiddle_s(i * kRowStep_px) : times.middle_s) + offset_s;
-    };
-    const double left_s = time_s(shutter.left), right_s = time_s(shutter.right);
-    const WorldCameras at_left = CamerasAt(world, observer, X_BR, rig, left_s);
-    const WorldCameras at_right =
-        right_s == left_s ? at_left : CamerasAt(world, observer, X_BR, rig, right_s);
-    rows.left.camera = at_left.left;
-    rows.left.times_s.push_back(left_s);
-    rows.left.X_WC.push_back(at_left.X_WL);
-    rows.right.camera = at_right.right;
-    rows.right.times_s.push_back(right_s);
-    rows.right.X_WC.push_back(at_right.X_WR);
-  }
-  return rows;
+  const auto row_times_s = [&](const ShutterTimes& times) {
+    if (times.row_time_s == 0) return std::vector<double>{times.middle_s + offset_s};
+    std::vector<double> times_s;
+    for (int i = 0; i <= (height_px + kRowStep_px - 1) / kRowStep_px; ++i) {
+      times_s.push_back(times.RowMiddle_s(i * kRowStep_px) + offset_s);
+    }
+    return times_s;
+  };
+  const auto place = [&](std::vector<double> times_s, const std::vector<PosedStereoRig>& rigs,
+                         PosedCamera PosedStereoRig::*side) {
+    RowCameras cameras{(rigs.front().*side).camera, std::move(times_s), {}};
+    for (std::size_t i = 0; i < rigs.size(); ++i) {
+      const Eigen::Isometry3d X_WR = PoseAt(world.uavs[observer], cameras.times_s[i]) * X_BR;
+      cameras.X_WC.push_back(X_WR * (rigs[i].*side).X_RC);
+    }
+    return cameras;
+  };
+  const RigDrive drive = DriveOf(world, observer);
+  const auto rigs_at = [&](std::vector<double> times_s) {
+    for (double& time_s : times_s) time_s += SecondsFromUtime(world.utime);
+    return rig.AtMany(times_s, drive);
+  };
+  const std::vector<double> left_s = row_times_s(shutter.left);
+  const std::vector<double> right_s = row_times_s(shutter.right);
+  const std::vector<PosedStereoRig> at_left = rigs_at(left_s);
+  return {place(left_s, at_left, &PosedStereoRig::left),
+          place(right_s, right_s == left_s ? at_left : rigs_at(right_s), &PosedStereoRig::right)};
 }
 
 RowPoses PosesOf(const RowCameras& cameras, const uav_truth_t& target) {

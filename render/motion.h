@@ -54,16 +54,6 @@ ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
                           const world_truth_t& world, std::size_t observer, const RigMotion& rig,
                           double focal_px);
 
-/// Both cameras of an observer's true rig in W.
-struct WorldCameras {
-  AnyCamera left, right;
-  Eigen::Isometry3d X_WL, X_WR;
-};
-
-/// At `dt_s` from the world's utime.
-WorldCameras CamerasAt(const world_truth_t& world, std::size_t observer,
-                       const Eigen::Isometry3d& X_BR, const RigMotion& rig, double dt_s);
-
 /// Rows between those for which a rolling shutter's cameras are known: those of a RayGrid.
 inline constexpr int kRowStep_px = 16;
 

@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "common/random/random_stream.h"
 #include "rig/base_vibration.h"
 #include "rig/isolator.h"
 #include "rig/power_spectrum.h"
+#include "rig/sinusoids.h"
 
 namespace windhover {
 namespace {
@@ -14,7 +16,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr Complex kI{0, 1};
 
 // Of coordinate `i` of the bar.
 const Mode& ModeOf(const BarModes& modes, std::size_t i) {
@@ -66,7 +67,7 @@ DrivenBar::Tick::Tick(const DrivenBar& driven, const RigDrive& drive)
     if (!(drive.rotor_rate_hz[rotor] >= 1)) continue;
     const int n_tones = static_cast<int>(driven.tones_[rotor].size());
     for (int tone = 0; tone < n_tones; ++tone) {
-      lines_.push_back(MakeLine(driven, drive, rotor, tone));
+      AddTone(driven, drive, rotor, tone);
     }
   }
   const std::array<double, 6> inputs = driven.Inputs(drive.specific_force_B_mps2);
@@ -79,35 +80,73 @@ DrivenBar::Tick::Tick(const DrivenBar& driven, const RigDrive& drive)
   }
 }
 
-DrivenBar::Tick::Line DrivenBar::Tick::MakeLine(const DrivenBar& driven, const RigDrive& drive,
-                                                int rotor, int tone_number) const {
+void DrivenBar::Tick::AddTone(const DrivenBar& driven, const RigDrive& drive, int rotor,
+                              int tone_number) {
   const Tone& tone = driven.tones_[rotor][tone_number];
   const double rate_hz = drive.rotor_rate_hz[rotor], frequency_hz = tone.order * rate_hz;
   const double speed_ratio = rate_hz / driven.reference_hz_;
   const Complex gain =
       std::polar(speed_ratio * speed_ratio, kTwoPi * tone.order * drive.rotor_phase_rev[rotor]) *
       Transmissibility(driven.isolator_, frequency_hz);
-  const Complex derivative = kTwoPi * frequency_hz * kI;
   const auto& [rate_forward, rate_left, rate_up] = tone.angular_rate_radps;
-
-  Line line;
-  line.frequency_hz = frequency_hz;
-  line.turn_rad = {-gain * rate_left / derivative, -gain * rate_up / derivative,
-                   gain * rate_forward / derivative};
+  const Complex integral = gain * Integration(frequency_hz);
+  const Complex derivative = gain * Differentiation(frequency_hz);
   const Complex forward = gain * modes_.participation * tone.acceleration_mps2[0];
   const Complex up = gain * modes_.participation * tone.acceleration_mps2[2];
-  const Complex turning = gain * derivative * modes_.angular_participation_m;
-  const Complex twist = gain * derivative * modes_.twist_participation * rate_left *
-                        Response(modes_.twist, frequency_hz);
+  const Complex turning = derivative * modes_.angular_participation_m;
   const Complex forward_response = Response(modes_.forward, frequency_hz);
   const Complex up_response = Response(modes_.up, frequency_hz);
-  for (std::size_t end = 0; end < 2; ++end) {
-    const double side = end == 0 ? -1 : 1;
-    line.bar[3 * end] = -(forward + side * turning * rate_up) * forward_response;
-    line.bar[3 * end + 1] = -(up - side * turning * rate_forward) * up_response;
-    line.bar[3 * end + 2] = twist;
+  const Complex twist =
+      derivative * modes_.twist_participation * rate_left * Response(modes_.twist, frequency_hz);
+  const std::array<Complex, 9> amplitudes = {-integral * rate_left,
+                                             -integral * rate_up,
+                                             integral * rate_forward,
+                                             -(forward - turning * rate_up) * forward_response,
+                                             -(up + turning * rate_forward) * up_response,
+                                             twist,
+                                             -(forward + turning * rate_up) * forward_response,
+                                             -(up - turning * rate_forward) * up_response,
+                                             twist};
+  Block& block = blocks_[n_tones_ / kLanes];
+  const std::size_t lane = n_tones_ % kLanes;
+  block.frequencies_hz[lane] = frequency_hz;
+  for (std::size_t i = 0; i < amplitudes.size(); ++i) {
+    block.real[i][lane] = amplitudes[i].real();
+    block.imaginary[i][lane] = amplitudes[i].imag();
   }
-  return line;
+  ++n_tones_;
+}
+
+// All tones at `dt_s` after the start or, where `mean_over_s` is not 0, their means about it.
+void DrivenBar::Tick::AddSteadyTones(double dt_s, double mean_over_s, Motion* motion) const {
+  const std::size_t n_blocks = (n_tones_ + kLanes - 1) / kLanes;
+  std::array<Lanes, std::tuple_size_v<decltype(blocks_)>> rates_radps, cos, sin;
+  for (std::size_t i = 0; i < n_blocks; ++i) {
+    Lanes frequencies_hz;
+    Load(blocks_[i].frequencies_hz.data(), &frequencies_hz);
+    rates_radps[i] = kTwoPi * frequencies_hz;
+    CosSin(frequencies_hz * dt_s, &cos[i], &sin[i]);
+    for (std::size_t lane = 0; mean_over_s > 0 && lane < kLanes; ++lane) {
+      const double left = Sinc(rates_radps[i][lane] * mean_over_s / 2);
+      cos[i][lane] *= left;
+      sin[i][lane] *= left;
+    }
+  }
+  for (std::size_t k = 0; k < 9; ++k) {
+    Lanes values{}, derivatives{};
+    for (std::size_t i = 0; i < n_blocks; ++i) {
+      Lanes real, imaginary;
+      Load(blocks_[i].real[k].data(), &real);
+      Load(blocks_[i].imaginary[k].data(), &imaginary);
+      values += real * cos[i] - imaginary * sin[i];
+      derivatives -= rates_radps[i] * (real * sin[i] + imaginary * cos[i]);
+    }
+    if (k < 3) {
+      motion->turn_rad[static_cast<int>(k)] += Sum(values);
+    } else {
+      motion->bar[k - 3] = motion->bar[k - 3] + ModeState{Sum(values), Sum(derivatives)};
+    }
+  }
 }
 
 DrivenBar::Motion DrivenBar::Tick::At(double t_s) const {
@@ -116,16 +155,7 @@ DrivenBar::Motion DrivenBar::Tick::At(double t_s) const {
   for (std::size_t i = 0; rings_ && i < 6; ++i) {
     motion.bar[i] = held_[i] + Rung(ModeOf(modes_, i), ringing_[i], dt_s);
   }
-  for (const Line& line : lines_) {
-    const double rate_radps = kTwoPi * line.frequency_hz;
-    const Complex now = std::polar(1.0, rate_radps * dt_s);
-    for (int axis = 0; axis < 3; ++axis)
-      motion.turn_rad[axis] += (line.turn_rad[axis] * now).real();
-    for (std::size_t i = 0; i < 6; ++i) {
-      const Complex value = line.bar[i] * now;
-      motion.bar[i] = motion.bar[i] + ModeState{value.real(), -rate_radps * value.imag()};
-    }
-  }
+  if (n_tones_ > 0) AddSteadyTones(dt_s, 0, &motion);
   return motion;
 }
 
@@ -135,14 +165,7 @@ DrivenBar::Motion DrivenBar::Tick::MeanAt(double t_s, double duration_s) const {
   for (std::size_t i = 0; rings_ && i < 6; ++i) {
     motion.bar[i].x = held_[i].x + MeanRung(ModeOf(modes_, i), ringing_[i], dt_s, duration_s);
   }
-  for (const Line& line : lines_) {
-    const Complex mean = std::polar(Sinc(std::numbers::pi * (line.frequency_hz * duration_s)),
-                                    kTwoPi * line.frequency_hz * dt_s);
-    for (int axis = 0; axis < 3; ++axis) {
-      motion.turn_rad[axis] += (line.turn_rad[axis] * mean).real();
-    }
-    for (std::size_t i = 0; i < 6; ++i) motion.bar[i].x += (line.bar[i] * mean).real();
-  }
+  if (n_tones_ > 0) AddSteadyTones(dt_s, duration_s, &motion);
   return motion;
 }
 

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "rig/bar_modes.h"
+#include "rig/lanes.h"
 #include "rig/vibration.h"
 
 namespace windhover {
@@ -48,21 +49,25 @@ class DrivenBar {
 
     Motion At(double t_s) const;
 
-    /// The mean over `duration_s` about `t_s`, also of velocities left 0. @pre duration_s > 0
+    /// The mean over `duration_s` about `t_s`; velocities mean nothing. @pre duration_s > 0
     Motion MeanAt(double t_s, double duration_s) const;
 
    private:
-    // One tone of one rotor, as complex amplitudes at start_s.
-    struct Line {
-      double frequency_hz;
-      std::array<std::complex<double>, 3> turn_rad;
-      std::array<std::complex<double>, 6> bar;
+    // Eight tones of rotors: frequencies, and as complex amplitudes at start_s the turn of the rig
+    // (three), then the bar.
+    struct Block {
+      std::array<double, kLanes> frequencies_hz{};
+      std::array<std::array<double, kLanes>, 9> real{}, imaginary{};
     };
-    Line MakeLine(const DrivenBar& driven, const RigDrive& drive, int rotor, int tone) const;
+    static constexpr std::size_t kMaxTones = 12;
+
+    void AddTone(const DrivenBar& driven, const RigDrive& drive, int rotor, int tone);
+    void AddSteadyTones(double dt_s, double mean_over_s, Motion* motion) const;
 
     BarModes modes_;
     double start_s_;
-    std::vector<Line> lines_;
+    std::array<Block, (kMaxTones + kLanes - 1) / kLanes> blocks_;
+    std::size_t n_tones_ = 0;
     BarState held_;     ///< Under the acceleration, for good.
     BarState ringing_;  ///< What is left at start_s.
     bool rings_ = false;
@@ -75,7 +80,7 @@ class DrivenBar {
  private:
   // Complex amplitudes at RotorToneConfig::reference_hz along and about forward, left, up.
   struct Tone {
-    int order;
+    int order = 1;
     std::array<std::complex<double>, 3> acceleration_mps2, angular_rate_radps;
   };
 
@@ -85,7 +90,7 @@ class DrivenBar {
   BarModes modes_;
   IsolatorConfig isolator_;
   double reference_hz_;
-  std::array<std::vector<Tone>, 4> tones_;  ///< Of each rotor.
+  std::array<std::vector<Tone>, 4> tones_;  ///< Of each rotor; none or three.
 };
 
 }  // namespace windhover

@@ -121,10 +121,9 @@ struct RigMotion::Impl {
   DrivenBar driven;
   Slips slips;
 
-  RigDeflection DeflectionAt(double t_s, const DrivenBar::Tick& tick) const {
+  // `sums`: the stationary ones at t_s.
+  RigDeflection DeflectionAt(double t_s, const DrivenBar::Tick& tick, const double* sums) const {
     const DrivenBar::Motion motion = mean_over_s > 0 ? tick.MeanAt(t_s, mean_over_s) : tick.At(t_s);
-    std::array<double, kSums> sums;
-    stationary.At(t_s, sums.data());
     const auto tip = [&](int end, int side) {
       const ModeState* const bar = &motion.bar[3 * end];
       return TipDeflection{.forward_m = bar[0].x + sums[kForward] + side * sums[kForwardApart],
@@ -137,8 +136,8 @@ struct RigMotion::Impl {
             .relative_turn_rad = slips.At(t_s)};
   }
 
-  PosedStereoRig At(double t_s, const DrivenBar::Tick& tick) const {
-    const RigDeflection now = DeflectionAt(t_s, tick);
+  PosedStereoRig At(double t_s, const DrivenBar::Tick& tick, const double* sums) const {
+    const RigDeflection now = DeflectionAt(t_s, tick, sums);
     const Eigen::Matrix3d turn = RotationFromVector(now.turn_rad);
     const Vector3d half_rad = now.relative_turn_rad / 2;
     return {Moved(rest.left, turn, MotionOf(now.left, half_span_m, -1), -half_rad),
@@ -162,19 +161,24 @@ RigMotion::~RigMotion() = default;
 RigMotion::RigMotion(RigMotion&&) noexcept = default;
 
 RigDeflection RigMotion::DeflectionAt(double t_s, const RigDrive& drive) const {
-  return impl_->DeflectionAt(t_s, DrivenBar::Tick(impl_->driven, drive));
+  std::array<double, kSums> sums;
+  impl_->stationary.At(t_s, sums.data());
+  return impl_->DeflectionAt(t_s, DrivenBar::Tick(impl_->driven, drive), sums.data());
 }
 
 PosedStereoRig RigMotion::At(double t_s, const RigDrive& drive) const {
-  return impl_->At(t_s, DrivenBar::Tick(impl_->driven, drive));
+  return AtMany({t_s}, drive).front();
 }
 
 std::vector<PosedStereoRig> RigMotion::AtMany(const std::vector<double>& times_s,
                                               const RigDrive& drive) const {
   const DrivenBar::Tick tick(impl_->driven, drive);
+  const std::vector<double> sums = impl_->stationary.AtMany(times_s);
   std::vector<PosedStereoRig> rigs;
   rigs.reserve(times_s.size());
-  for (const double t_s : times_s) rigs.push_back(impl_->At(t_s, tick));
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    rigs.push_back(impl_->At(times_s[i], tick, &sums[i * kSums]));
+  }
   return rigs;
 }
 

@@ -1,37 +1,43 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
-#include "rig/sinusoids.h"
+#include "rig/anchored_sums.h"
+#include "rig/periodic_sums.h"
 
 namespace windhover {
 
-/// Several sums of sinusoids, evaluated together: sums with the same frequencies share their sines
-/// and cosines. Value() of each to 1e-14 of its amplitudes, ten times as fast.
+/// Several sums of sinusoids, evaluated together: Value() of each to 1e-13 of its amplitudes (and
+/// to 2π f t as a double holds it), far faster. Harmonics of one fundamental come from a table of
+/// their period (PeriodicSums); other lines from series about anchors (AnchoredSums), where sums
+/// with the same frequencies share sines and cosines.
 class SinusoidSums {
  public:
   explicit SinusoidSums(const std::vector<Sinusoids>& sums);
 
   /// Writes the value of each sum at `t_s`. The same bits on every processor: all add in the same
   /// order, without fused operations.
-  void At(double t_s, double* values) const;
+  void At(double t_s, double* values, InstructionSet instructions = WidestInstructionSet()) const;
 
-  /// The same on processors with and without AVX-512 and AVX2; At chooses.
-  void AtWithAvx512(double t_s, double* values) const;
-  void AtWithAvx2(double t_s, double* values) const;
-  void AtWithSse2(double t_s, double* values) const;
-
-  /// Lines that are evaluated together: their frequencies, and which sums they make. Lines come in
-  /// blocks of eight; of each block first all sums' cosine and sine amplitudes.
-  struct Group {
-    std::vector<double> frequencies_hz;
-    std::vector<std::size_t> sums;
-    std::vector<double> amplitudes;
-  };
+  /// The values at each of `times_s`, one time after the other: the bits of each alone. Cheapest
+  /// where neighbours are close.
+  std::vector<double> AtMany(std::span<const double> times_s,
+                             InstructionSet instructions = WidestInstructionSet()) const;
 
  private:
+  // A table and the sums that it is of.
+  struct Table {
+    std::vector<std::size_t> sums;
+    PeriodicSums values;
+  };
+
+  void At(double t_s, InstructionSet instructions, AnchoredSums::Series* series,
+          double* values) const;
+
   std::size_t n_sums_;
-  std::vector<Group> groups_;
+  AnchoredSums anchored_;
+  std::vector<Table> tables_;
 };
 
 }  // namespace windhover

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/random/random_stream.h"
 #include "rig/rig_motion.h"
+#include "rig/sinusoid_sums.h"
 
 namespace windhover {
 namespace {
@@ -80,6 +83,28 @@ void AtMany(benchmark::State& state, const VibrationConfig& vibration) {
 BENCHMARK_CAPTURE(AtMany, psd, Psd());
 BENCHMARK_CAPTURE(AtMany, rotors, Rotors());
 BENCHMARK_CAPTURE(AtMany, recorded, Recorded());
+
+// As many lines as a PSD's, at one instant.
+void Sums(benchmark::State& state, InstructionSet instructions) {
+  std::vector<Sinusoids> signals(5);
+  RandomStream stream(1, "lines");
+  for (std::size_t k = 0; k < signals.size(); ++k) {
+    for (int i = 0; i < (k < 2 ? 512 : 128); ++i) {
+      signals[k].push_back({stream.Uniform(10, 500), 1, stream.Uniform(0, 6)});
+    }
+  }
+  for (int k = 2; k < 5; ++k) signals.push_back(signals[static_cast<std::size_t>(k)]);
+  const SinusoidSums sums(signals);
+  std::array<double, 8> values;
+  double t_s = 0;
+  for (auto _ : state) {
+    sums.At(t_s += 0.0037, values.data(), instructions);
+    benchmark::DoNotOptimize(values);
+  }
+}
+BENCHMARK_CAPTURE(Sums, sse2, InstructionSet::kSse2);
+BENCHMARK_CAPTURE(Sums, avx2, InstructionSet::kAvx2);
+BENCHMARK_CAPTURE(Sums, avx512, InstructionSet::kAvx512);
 
 }  // namespace
 }  // namespace windhover

@@ -1,13 +1,19 @@
 #include "rig/sinusoids.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "common/random/random_stream.h"
+#include "rig/sinusoid_sums.h"
 
 namespace windhover {
 namespace {
 
+constexpr double kTwoPi = 2 * std::numbers::pi;
 const Sinusoids kSignal = {{12, 0.7, 0.3}, {45.5, 0.2, 2.0}, {117, 0.05, -1.1}};
 
 TEST(Sinusoids, WorkedExample) {
@@ -49,6 +55,122 @@ TEST(Sinusoids, ExposureMeanMatchesQuadrature) {
 
 TEST(Sinusoids, ExposureOfOnePeriodAveragesToNothing) {
   EXPECT_NEAR(Value(Filtered({{100, 1, 0.4}}, MeanOver(0.01)), 0.3), 0, 1e-14);
+}
+
+// Lines of random frequencies up to `max_hz`.
+Sinusoids RandomLines(int n, double max_hz, RandomStream* stream) {
+  Sinusoids signal;
+  for (int i = 0; i < n; ++i) {
+    const double frequency_hz = stream->Uniform(10, max_hz);
+    signal.push_back({frequency_hz, stream->Uniform(0.1, 1), stream->Uniform(0, kTwoPi)});
+  }
+  return signal;
+}
+
+// As the Fourier series of `n` samples at `rate_hz`, without its `first - 1` slowest lines.
+Sinusoids HarmonicLines(int n, double rate_hz, int first, RandomStream* stream) {
+  Sinusoids signal;
+  for (int k = first; 2 * k < n; ++k) {
+    signal.push_back({k * rate_hz / n, stream->Uniform(0.1, 1), stream->Uniform(0, kTwoPi)});
+  }
+  return signal;
+}
+
+Sinusoids WithOtherPhases(Sinusoids signal, double by_rad) {
+  for (Sinusoid& line : signal) line.phase_rad += by_rad;
+  return signal;
+}
+
+// Alone and shared, few and more than one block of 512, none; series with as few table entries
+// for the highest line as there can be (511 of 2048), and more sums than one table takes.
+std::vector<Sinusoids> AllKindsOfSums(double max_hz) {
+  RandomStream stream(1, "lines");
+  std::vector<Sinusoids> sums = {RandomLines(5, max_hz, &stream),
+                                 RandomLines(21, max_hz, &stream),
+                                 RandomLines(1200, max_hz, &stream),
+                                 {}};
+  sums.push_back(WithOtherPhases(sums[1], 0.4));
+  sums.push_back(WithOtherPhases(sums[2], 1.9));
+  sums.push_back({{max_hz, 1, 0.3}});
+  sums.push_back(HarmonicLines(1023, 200, 49, &stream));
+  sums.push_back(HarmonicLines(12000, 200, 600, &stream));
+  for (int i = 0; i < 9; ++i) sums.push_back(WithOtherPhases(sums[7], 0.7 * i));
+  return sums;
+}
+
+// Near and far, before and after 0, at anchors, between them and a hair beside, unevenly.
+std::vector<double> AllKindsOfTimes(double max_hz) {
+  std::vector<double> times_s = {0, 1e-12, -1e-12, 5.115, 60, -60, 12345.678, -98765.4};
+  const double spacing_s = 1.7 / (std::numbers::pi * max_hz);
+  for (const double anchor : {0.0, 1.0, -7.0, 54321.0}) {
+    for (const double part : {-0.5, -0.4999999, -0.3, 0.0, 0.1, 0.4999999, 0.5}) {
+      times_s.push_back((anchor + part) * spacing_s);
+    }
+  }
+  for (int i = 0; i < 40; ++i) times_s.push_back(0.0013 * ((i * 23) % 40 - 5) + (i % 3) * 17.1);
+  return times_s;
+}
+
+// Against the plain sum. The series' and windows' first terms left out and the sine's rounding are
+// below 1e-13 of the amplitudes; 2π f t is held to 4 roundings by both sides, and a frequency is
+// that of its harmonic to 1e-15.
+TEST(SinusoidSums, AreTheSumsOfTheirSinusoids) {
+  for (const double max_hz : {117.0, 500.0, 2000.0}) {
+    const std::vector<Sinusoids> signals = AllKindsOfSums(max_hz);
+    const SinusoidSums sums(signals);
+    std::vector<double> values(signals.size());
+    for (const double t_s : AllKindsOfTimes(max_hz)) {
+      sums.At(t_s, values.data());
+      for (std::size_t k = 0; k < signals.size(); ++k) {
+        double bound = 1e-15;
+        for (const Sinusoid& line : signals[k]) {
+          bound += line.amplitude * (1e-13 + 2e-15 * kTwoPi * line.frequency_hz * std::abs(t_s));
+        }
+        EXPECT_NEAR(values[k], Value(signals[k], t_s), bound) << k << " at " << t_s;
+      }
+    }
+  }
+}
+
+TEST(SinusoidSums, AreTheSameBitsInAnyCompanyOnEveryProcessor) {
+  const std::vector<Sinusoids> signals = AllKindsOfSums(500);
+  const SinusoidSums sums(signals), again(signals);
+  const std::vector<double> times_s = AllKindsOfTimes(500);
+  const std::vector<double> many = sums.AtMany(times_s);
+  EXPECT_EQ(many, again.AtMany(times_s));
+  EXPECT_EQ(many, sums.AtMany(times_s, InstructionSet::kSse2));
+  if (WidestInstructionSet() != InstructionSet::kSse2) {
+    EXPECT_EQ(many, sums.AtMany(times_s, InstructionSet::kAvx2));
+  }
+  std::vector<double> one(signals.size());
+  for (std::size_t i = times_s.size(); i-- > 0;) {
+    sums.At(times_s[i], one.data());
+    const auto row = many.begin() + static_cast<std::ptrdiff_t>(i * signals.size());
+    EXPECT_TRUE(std::equal(one.begin(), one.end(), row)) << times_s[i];
+  }
+}
+
+TEST(HarmonicsOf, KnowsAFourierSeriesFromOtherLines) {
+  RandomStream stream(1, "lines");
+  Sinusoids signal = HarmonicLines(12000, 200, 600, &stream);
+  const auto harmonics = HarmonicsOf(signal);
+  ASSERT_TRUE(harmonics);
+  EXPECT_EQ(harmonics->first, 600u);
+  EXPECT_DOUBLE_EQ(harmonics->fundamental_hz, 1.0 / 60);
+  signal[1000].frequency_hz *= 1 + 1e-12;
+  EXPECT_FALSE(HarmonicsOf(signal));
+  EXPECT_FALSE(HarmonicsOf(RandomLines(500, 500, &stream)));
+  EXPECT_FALSE(HarmonicsOf(Sinusoids(500, {50, 1, 0})));
+  EXPECT_FALSE(HarmonicsOf({}));
+  // The largest table, and a line too many for it.
+  constexpr int kMost = 1 << 18;
+  EXPECT_TRUE(HarmonicsOf(HarmonicLines(2 * kMost, 200, kMost - 300, &stream)));
+  EXPECT_FALSE(HarmonicsOf(HarmonicLines(2 * kMost + 2, 200, kMost - 300, &stream)));
+  // Evenly spaced, but not multiples of one frequency.
+  for (std::size_t i = 0; i < signal.size(); ++i) {
+    signal[i].frequency_hz = 10.37 + 0.1 * static_cast<double>(i);
+  }
+  EXPECT_FALSE(HarmonicsOf(signal));
 }
 
 }  // namespace

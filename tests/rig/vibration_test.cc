@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unsupported/Eigen/FFT>
@@ -19,7 +20,6 @@
 #include "rig/isolator.h"
 #include "rig/power_spectrum.h"
 #include "rig/rig_motion.h"
-#include "rig/sinusoid_sums.h"
 #include "tests/support/scratch_file.h"
 
 namespace windhover {
@@ -393,17 +393,30 @@ TEST(RigMotion, MeanOverTheExposureMatchesQuadrature) {
 
 // V1.3 for the whole rig, and that batches change nothing.
 TEST(RigMotion, ManyTimesAtOnceAreTheSameBits) {
-  const RigMotion motion = Motion(Flexible(), From(VibrationSource::kRotors));
+  std::string samples;
+  for (int i = 0; i < 1000; ++i) {
+    samples += fmt::format("{:.3f}", i / 500.0);
+    for (int axis = 0; axis < 6; ++axis)
+      samples += fmt::format(",{}", std::sin(0.7 * i * i + axis));
+    samples += "\n";
+  }
+  VibrationConfig recorded = From(VibrationSource::kRecorded);
+  const std::string file = test::ScratchFile(samples, "shaking");
+  recorded.file = {file, file, ""};
   RigDrive drive = AllRotorsAt(49.3);
   drive.start_s = 2;
   drive.bar = BarState{};
   std::vector<double> times_s;
   for (int i = 0; i < 37; ++i) times_s.push_back(2 + 0.0007 * ((i * 23) % 37 - 5));
-  const std::vector<PosedStereoRig> rigs = motion.AtMany(times_s, drive);
-  for (std::size_t i = 0; i < times_s.size(); ++i) {
-    const PosedStereoRig one = motion.At(times_s[i], drive);
-    EXPECT_EQ(rigs[i].left.X_RC.matrix(), one.left.X_RC.matrix());
-    EXPECT_EQ(rigs[i].right.X_RC.matrix(), one.right.X_RC.matrix());
+  for (const VibrationConfig& vibration :
+       {From(VibrationSource::kRotors), From(VibrationSource::kPsd), recorded}) {
+    const RigMotion motion = Motion(Flexible(), vibration);
+    const std::vector<PosedStereoRig> rigs = motion.AtMany(times_s, drive);
+    for (std::size_t i = 0; i < times_s.size(); ++i) {
+      const PosedStereoRig one = motion.At(times_s[i], drive);
+      EXPECT_EQ(rigs[i].left.X_RC.matrix(), one.left.X_RC.matrix());
+      EXPECT_EQ(rigs[i].right.X_RC.matrix(), one.right.X_RC.matrix());
+    }
   }
 }
 
@@ -452,34 +465,6 @@ TEST(MakeBaseVibration, ReadsEveryRecordingAtHand) {
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_GT(Rms(vibration.acceleration_mps2[axis]), 0.1) << entry.path();
       EXPECT_GT(Rms(vibration.angular_rate_radps[axis]), 1e-3) << entry.path();
-    }
-  }
-}
-
-TEST(SinusoidSums, AreTheSumsOfTheirSinusoidsOnEveryProcessor) {
-  RandomStream stream(1, "lines");
-  std::vector<Sinusoids> signals(9);
-  for (std::size_t k = 0; k < signals.size(); ++k) {
-    if (k == 4) continue;  // Empty.
-    const bool shares = k == 2 || k >= 6;
-    for (int i = 0; i < (shares ? 21 : 5 + static_cast<int>(k)); ++i) {
-      const double frequency_hz = shares ? 10 + 7.3 * i : stream.Uniform(10, 500);
-      signals[k].push_back({frequency_hz, stream.Uniform(0.1, 1), stream.Uniform(0, kTwoPi)});
-    }
-  }
-  const SinusoidSums sums(signals);
-  for (double t_s = -3; t_s < 200; t_s += 17.03) {
-    std::array<double, 9> values, avx2, sse2;
-    sums.At(t_s, values.data());
-    sums.AtWithSse2(t_s, sse2.data());
-    EXPECT_EQ(values, sse2);
-    if (__builtin_cpu_supports("avx2") != 0) {
-      sums.AtWithAvx2(t_s, avx2.data());
-      EXPECT_EQ(values, avx2);
-    }
-    for (std::size_t k = 0; k < signals.size(); ++k) {
-      // 500 Hz for 200 s are 6e5 rad, which a double holds to 1e-10; up to 21 lines.
-      EXPECT_NEAR(values[k], Value(signals[k], t_s), 1e-9) << k;
     }
   }
 }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "rig/sinusoids.h"
+
+namespace windhover {
+
+/// Instruction sets of x86-64 that sums are compiled for. They give the same bits.
+enum class InstructionSet { kSse2, kAvx2, kAvx512 };
+
+/// The widest of this processor.
+InstructionSet WidestInstructionSet();
+
+/// Sums of sinusoids of any frequencies, by their Taylor series about anchors: moments evenly
+/// spaced so closely that no line turns by more than 1.7 rad to either side, and the first term
+/// left out, 1.7^20 / 20!, is 2e-14 of the amplitudes. Whoever asks for times about one anchor
+/// pays for the lines once; all times go through their anchor, so that their values are functions
+/// of time alone.
+class AnchoredSums {
+ public:
+  explicit AnchoredSums(const std::vector<Sinusoids>& sums);
+
+  /// All sums about one anchor.
+  struct Series {
+    double anchor_s = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> coefficients;  ///< Of each power, those of all sums.
+  };
+
+  /// Writes the value of each sum at `t_s`. `series`, of any anchor, is made that of t_s.
+  void At(double t_s, InstructionSet instructions, Series* series, double* values) const;
+
+  /// At most 512 lines that several sums share, filled up to a multiple of eight: frequencies, the
+  /// angle by which each turns from an anchor to half way to the next, and of each sum first all
+  /// cosine, then all sine amplitudes.
+  struct Group {
+    std::vector<std::size_t> sums;
+    std::vector<double> frequencies_hz, angles_rad, squares_rad2, amplitudes;
+  };
+
+ private:
+  void Expand(double anchor_s, InstructionSet instructions, Series* series) const;
+
+  std::size_t n_sums_, n_padded_;  ///< n_padded_: a multiple of eight.
+  double spacing_s_ = 1;
+  std::vector<Group> groups_;
+};
+
+}  // namespace windhover
