@@ -30,6 +30,12 @@ VibrationConfig Psd() {
   return vibration;
 }
 
+VibrationConfig Category24() {
+  VibrationConfig vibration = Psd();
+  vibration.preset = VibrationPreset::kMilStd810hCat24;
+  return vibration;
+}
+
 VibrationConfig Rotors() {
   VibrationConfig vibration;
   vibration.source = VibrationSource::kRotors;
@@ -67,6 +73,7 @@ void At(benchmark::State& state, const VibrationConfig& vibration) {
   }
 }
 BENCHMARK_CAPTURE(At, psd, Psd());
+BENCHMARK_CAPTURE(At, cat24, Category24());
 BENCHMARK_CAPTURE(At, rotors, Rotors());
 BENCHMARK_CAPTURE(At, recorded, Recorded());
 
@@ -81,6 +88,7 @@ void AtMany(benchmark::State& state, const VibrationConfig& vibration) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(times_s.size()));
 }
 BENCHMARK_CAPTURE(AtMany, psd, Psd());
+BENCHMARK_CAPTURE(AtMany, cat24, Category24());
 BENCHMARK_CAPTURE(AtMany, rotors, Rotors());
 BENCHMARK_CAPTURE(AtMany, recorded, Recorded());
 

@@ -101,7 +101,7 @@ std::vector<Sinusoids> AllKindsOfSums(double max_hz) {
 // Near and far, before and after 0, at anchors, between them and a hair beside, unevenly.
 std::vector<double> AllKindsOfTimes(double max_hz) {
   std::vector<double> times_s = {0, 1e-12, -1e-12, 5.115, 60, -60, 12345.678, -98765.4};
-  const double spacing_s = 1.7 / (std::numbers::pi * max_hz);
+  const double spacing_s = 3.4 / (std::numbers::pi * max_hz);
   for (const double anchor : {0.0, 1.0, -7.0, 54321.0}) {
     for (const double part : {-0.5, -0.4999999, -0.3, 0.0, 0.1, 0.4999999, 0.5}) {
       times_s.push_back((anchor + part) * spacing_s);
