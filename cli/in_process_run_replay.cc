@@ -40,12 +40,12 @@ bool IsInput(const std::string& channel) {
 // The bus of a replay: in this process, or a hub where somebody else's estimator takes part.
 class ReplayBus {
  public:
-  explicit ReplayBus(const ReplayOptions& options) {
+  explicit ReplayBus(const ReplayOptions& options) : logs_(options.out / "logs") {
     if (options.estimator_command.empty()) {
       bus_.emplace("memq://");
       return;
     }
-    processes_.emplace(options.out / "logs");
+    processes_.emplace(logs_);
     processes_->Start({"hub", ProgramFolder() / "windhover-hub", {}, true});
     std::string url;
     while (url.empty() && !processes_->Running().empty()) {
@@ -61,7 +61,19 @@ class ReplayBus {
 
   Bus& bus() { return *bus_; }
 
+  /// @throws RunInvalid if a process has ended.
+  void Check() {
+    if (!processes_) return;
+    for (const ProcessEvent& event : processes_->Wait(milliseconds(0))) {
+      if (event.kind != ProcessEvent::Kind::kExit) continue;
+      const std::filesystem::path log = logs_ / (event.process + ".log");
+      throw RunInvalid(event.process,
+                       fmt::format("{}; see {}", DescribeExit(event.status), log.string()));
+    }
+  }
+
  private:
+  std::filesystem::path logs_;
   std::optional<ProcessGroup> processes_;
   std::optional<Bus> bus_;
 };
@@ -85,6 +97,7 @@ class Replay {
   }
 
   int Run() {
+    lockstep_.CheckWhileWaiting([this] { connection_.Check(); });
     lockstep_.WaitForPeers(kPeersTimeout_s);
     RunLogReader log(options_.log);
     std::optional<LogEvent> event = log.Next();
@@ -99,6 +112,7 @@ class Replay {
         event = RunTick(log, *event);
       }
     }
+    lockstep_.CheckWhileWaiting([] {});  // Whoever has said his last may leave.
     lockstep_.End(/*timeout_s=*/1);
     return n_ticks_;
   }

@@ -130,6 +130,7 @@ bool Lockstep::WaitUntil(Clock::time_point deadline, const std::function<bool()>
     // In one process everything that will come is already there, and nobody is late.
     const bool over = bus_.InProcess() ? !came : Clock::now() >= deadline;
     if (over || StopRequested()) return done();
+    check_();
   }
   return true;
 }

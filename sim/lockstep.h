@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/bus.h"
@@ -37,6 +38,9 @@ class Lockstep {
   /// the first Step().
   Lockstep(Bus& bus, std::int64_t run_id, std::vector<std::string> peers, double deadline_s);
   Lockstep(const Lockstep&) = delete;
+
+  /// `check` is called now and then while this waits; what it throws ends the wait.
+  void CheckWhileWaiting(std::function<void()> check) { check_ = std::move(check); }
 
   /// Calls the roll until each peer has said HELLO.
   /// @throws RunInvalid naming who is missing, or a peer with other message types.
@@ -72,6 +76,7 @@ class Lockstep {
   std::int64_t run_id_;
   std::vector<std::string> peers_;  // Upstream first.
   double deadline_s_;
+  std::function<void()> check_ = [] {};
   tick_t tick_{};
   std::set<std::string> present_;
   std::set<std::string> done_;

@@ -83,6 +83,17 @@ TEST(WindhoverRun, AGeometricRunPassesAndReplays) {
   Program replay({kWindhover, "replay", folder.path()});
   EXPECT_EQ(replay.Wait(), 0) << replay.Err();
   EXPECT_THAT(replay.Out(), HasSubstr("all bits as recorded"));
+  // Somebody else's estimator: a process on a hub of its own. Here ours, and one that gives up.
+  const std::string estimator = std::string(WINDHOVER_BIN_DIR) + "/windhover-estimator";
+  Program again({kWindhover, "replay", folder.path(), "--estimator", estimator});
+  EXPECT_EQ(again.Wait(), 0) << again.Err();
+  EXPECT_THAT(again.Out(), HasSubstr("all bits as recorded"));
+  Program gone({kWindhover, "replay", folder.path(), "--estimator", "false"});
+  EXPECT_EQ(gone.Wait(), 3) << gone.Out();
+  EXPECT_THAT(gone.Err(), HasSubstr("estimator-0: ended with exit status 1; see "));
+  Program other({kWindhover, "replay", folder.path(), "--correction", "size"});
+  EXPECT_EQ(other.Wait(), 0) << other.Err();
+  EXPECT_THAT(other.Out(), HasSubstr("messages differ from the recording"));
   Program failing({kWindhover, "run", kScenarios + "ideal_geometric.yaml", "--out", folder.path(),
                    "--set", "expect=[{metric: methods.baseline.abs_rel, max: 1e-9}]"});
   EXPECT_EQ(failing.Wait(), 1) << failing.Err();
