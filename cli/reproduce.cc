@@ -116,7 +116,7 @@ Scenario BaseOf(const ReproducedRow& row, const std::filesystem::path& scenarios
   std::vector<std::string> overrides = {"observe=geometric", "aircraft=[{id: 0}]",
                                         "description=" + row.preset};
   overrides.insert(overrides.end(), row.overrides.begin(), row.overrides.end());
-  return LoadScenario(scenarios / "presets" / (row.preset + ".yaml"), overrides);
+  return LoadUndrawnScenario(scenarios / "presets" / (row.preset + ".yaml"), overrides);
 }
 
 constexpr Split kScored[] = {Split::kVal, Split::kTest};

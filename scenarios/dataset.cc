@@ -10,6 +10,7 @@
 
 #include "common/geometry/rotation.h"
 #include "common/random/random_stream.h"
+#include "scenarios/randomize.h"
 
 namespace windhover {
 namespace {
@@ -188,14 +189,15 @@ Scenario DatasetFlight(const Scenario& base, Split split, int flight, std::uint6
   scenario.description = fmt::format("Flight {} of {}, {}", flight, name, base.description);
   constexpr std::uint64_t kSeeds = 9'000'000'000'000'000;  // As random_seed allows.
   scenario.random_seed = random() % kSeeds;
+  scenario = Drawn(std::move(scenario));
   // The pairs that do not divide go to the first flights.
   const int n_pairs = config.pairs / config.flights + (flight < config.pairs % config.flights);
   scenario.duration_s = n_pairs / base.frame_rate_hz;
   const Aircraft observer = Observer(base);
   Aircraft target = Target(base);
-  const TargetPath path(base, split, scenario.duration_s, &random);
-  target.waypoints =
-      FlyPath(path, PoseOf(observer) * base.rig.calibrated.X_BR(), scenario.duration_s, &random);
+  const TargetPath path(scenario, split, scenario.duration_s, &random);
+  target.waypoints = FlyPath(path, PoseOf(observer) * scenario.rig.calibrated.X_BR(),
+                             scenario.duration_s, &random);
   target.position_m = target.waypoints.front().position_m;
   ChooseSurroundings(split, flight, &random, &scenario.environment);
   scenario.aircraft = {observer, std::move(target)};

@@ -7,8 +7,9 @@
 namespace windhover {
 
 /// Flight number `flight` (from 0) of a split of the data set that `base.dataset` describes: a
-/// scenario of its own, with a seed of its own, so that its rig, noise and path are. `seed` makes
-/// another data set. Flights of different splits never share a seed.
+/// scenario of its own, with a seed of its own, so that its rig, noise, path and all that
+/// `randomize` lists are. `seed` makes another data set. Flights of different splits never share a
+/// seed.
 ///
 /// The first aircraft of `base` with a rig holds its place and looks at the first other one; a
 /// P600 and an orange M200 stand in for those that `base` lacks. The target goes between

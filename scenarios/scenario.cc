@@ -6,6 +6,7 @@
 #include "common/config/config_tree.h"
 #include "common/config/config_writer.h"
 #include "rig/base_vibration.h"
+#include "scenarios/randomize.h"
 #include "scenarios/scenario_rules.h"
 
 namespace windhover {
@@ -16,6 +17,7 @@ Scenario ReadScenario(const ConfigNode& root, InputFiles files) {
   Findings findings;
   ReadConfig(root, scenario, findings);
   CheckRules(scenario, root, files, findings);
+  CheckRandomized(scenario, root, findings);
   findings.ThrowIfAny();
   std::sort(scenario.aircraft.begin(), scenario.aircraft.end(),
             [](const Aircraft& a, const Aircraft& b) { return a.self.id < b.self.id; });
@@ -34,13 +36,18 @@ AircraftConfig Scenario::ForAircraft() const {
   return config;
 }
 
-Scenario LoadScenario(const std::filesystem::path& file,
-                      const std::vector<std::string>& overrides) {
+Scenario LoadUndrawnScenario(const std::filesystem::path& file,
+                             const std::vector<std::string>& overrides) {
   ConfigNode root = LoadConfigTree(file);
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
   }
-  const Scenario scenario = ReadScenario(root, InputFiles::kMustExist);
+  return ReadScenario(root, InputFiles::kMustExist);
+}
+
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides) {
+  const Scenario scenario = Drawn(LoadUndrawnScenario(file, overrides));
   // What is wrong inside the file of the vibration comes out here, before any process starts.
   MakeBaseVibration(scenario.vibration, scenario.random_seed, "");
   return scenario;

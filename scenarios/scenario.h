@@ -16,6 +16,7 @@
 #include "scenarios/aircraft_config.h"
 #include "scenarios/dataset_config.h"
 #include "scenarios/flight_config.h"
+#include "scenarios/randomized_key.h"
 #include "scenarios/sensor_config.h"
 #include "scenarios/uwb_config.h"
 
@@ -252,6 +253,7 @@ struct Scenario {
   EstimatorConfig estimator;
   ScoreConfig score;
   DatasetConfig dataset;
+  std::vector<RandomizedKey> randomize;
   std::vector<Expectation> expect;
   ExecutionConfig execution;
 
@@ -277,6 +279,7 @@ struct Scenario {
     v.Section("estimator", estimator, "detection and distance estimation");
     v.Section("score", score, "how the run is scored");
     v.Section("dataset", dataset, "flights that make a data set");
+    v.List("randomize", randomize, "keys that every random_seed draws anew");
     v.List("expect", expect, "gates: the run passes when all hold");
     v.Section("execution", execution, "how the run is spread over processes");
   }
@@ -284,11 +287,16 @@ struct Scenario {
   AircraftConfig ForAircraft() const;
 };
 
-/// Reads a scenario file, follows `extends`, applies `overrides` ("a.b=c"), checks it all.
+/// Reads a scenario file, follows `extends`, applies `overrides` ("a.b=c"), checks it all, draws
+/// what `randomize` lists (scenarios/randomize.h).
 /// @throws ConfigError listing every problem, each as file:line:col: key.path: …, or else what is
 /// wrong inside the file of the vibration, each as file:line: ….
 Scenario LoadScenario(const std::filesystem::path& file,
                       const std::vector<std::string>& overrides = {});
+
+/// The same with nothing drawn: as the base of a data set, every flight of which draws anew.
+Scenario LoadUndrawnScenario(const std::filesystem::path& file,
+                             const std::vector<std::string>& overrides = {});
 
 /// Reads what ResolvedYaml wrote, such as the header of a log, where the input files need no
 /// longer be. `name` stands for the text in messages.

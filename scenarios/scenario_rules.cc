@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "common/config/value_text.h"
 #include "rig/bar_modes.h"
 
 namespace windhover {
@@ -16,6 +17,23 @@ namespace {
 
 // Closer than this two aircraft overlap, whatever they are.
 constexpr double kMinStartDistance_m = 0.3;
+
+// A visitor of Fields that writes every value.
+class ValueLister {
+ public:
+  template <typename Struct>
+  explicit ValueLister(Struct value) {
+    value.Fields(*this);
+  }
+  template <typename T, typename Limit>
+  void Field(const char* key, T& value, const Limit&, const char*) {
+    texts_.emplace_back(key, WriteValue(value));
+  }
+  const std::vector<std::pair<std::string, std::string>>& texts() const { return texts_; }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> texts_;
+};
 
 class RuleChecker {
  public:
@@ -30,6 +48,7 @@ class RuleChecker {
     CheckWind();
     CheckLens();
     CheckSensor();
+    CheckUnused();
     CheckFocus("optics.focus_m", scenario_.optics.focus_m);
     CheckFocus("optics.left.focus_m", scenario_.optics.left.focus_m);
     CheckFocus("optics.right.focus_m", scenario_.optics.right.focus_m);
@@ -142,6 +161,29 @@ class RuleChecker {
       MustBe("exposure.auto.min_ms", fmt::format("at most max_ms, {}", automatic.max_ms),
              fmt::format("'{}'", automatic.min_ms), {"exposure.auto.max_ms"});
     }
+  }
+
+  // Keys that would be ignored without a word.
+  void CheckUnused() {
+    if (scenario_.sensor.model != SensorModel::kEmva1288) {
+      const ValueLister values(scenario_.sensor.emva), initials(EmvaConfig{});
+      for (std::size_t i = 0; i < values.texts().size(); ++i) {
+        const auto& [key, text] = values.texts()[i];
+        MustBeLeftOut("sensor.emva." + key, text, initials.texts()[i].second, "sensor.model",
+                      "emva1288");
+      }
+    }
+    if (scenario_.exposure.shutter != Shutter::kRolling) {
+      MustBeLeftOut("exposure.row_time_us", WriteValue(scenario_.exposure.row_time_us),
+                    WriteValue(ExposureConfig{}.row_time_us), "exposure.shutter", "rolling");
+    }
+  }
+
+  void MustBeLeftOut(const std::string& path, const std::string& found, const std::string& initial,
+                     const std::string& unless, const std::string& choice) {
+    if (found == initial) return;
+    MustBe(path, fmt::format("left out (or {}) unless {} is {}", initial, unless, choice),
+           fmt::format("'{}'", found), {unless});
   }
 
   // Nearer than two focal lengths lenses magnify, which no lens of a rig is built for.

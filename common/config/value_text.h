@@ -175,6 +175,9 @@ std::string Described(const T&, const MayBeEmpty&) {
   return "may be empty";
 }
 inline std::string Expected(const std::string&, const MayBeEmpty&) { return "text"; }
+inline std::string Expected(const std::vector<std::string>&, const MayBeEmpty&) {
+  return "a list of words";
+}
 inline std::string Expected(const InputFile&, const MayBeEmpty&) { return "the name of a file"; }
 template <typename T>
 bool Allows(const MayBeEmpty&, const T&) {

@@ -133,5 +133,39 @@ TEST(Dataset, TakesTheTargetOfTheScenario) {
   EXPECT_EQ(flight.aircraft[1].type, AircraftType::kP600);
 }
 
+// Everything that may be wrong is, in another way in every flight.
+TEST(Dataset, PretrainDrawsEveryFlightAnew) {
+  const Scenario base =
+      LoadUndrawnScenario(kPresets + "pretrain.yaml", {"description=x", "aircraft=[{id: 0}]"});
+  ASSERT_FALSE(base.randomize.empty());
+  std::set<double> levels, skews, noises, latencies;
+  std::set<BarSectionType> sections;
+  const int n_flights = base.dataset.Of(Split::kTrain).flights;
+  for (int i = 0; i < n_flights; ++i) {
+    const Scenario flight = DatasetFlight(base, Split::kTrain, i, 1);
+    EXPECT_TRUE(flight.randomize.empty());
+    levels.insert(flight.vibration.level);
+    skews.insert(flight.exposure.skew_ms);
+    noises.insert(flight.geometric.sigma_relative);
+    latencies.insert(flight.uwb.latency_s);
+    sections.insert(flight.flex.section);
+    EXPECT_EQ(ResolvedYaml(DatasetFlight(base, Split::kTrain, i, 1), PathStyle::kAsGiven),
+              ResolvedYaml(flight, PathStyle::kAsGiven));
+    // What is drawn is a scenario: it reads back, rules and all.
+    EXPECT_NO_THROW(ScenarioFromYaml(ResolvedYaml(flight, PathStyle::kAsGiven), "flight"));
+  }
+  for (const auto& drawn : {levels, skews, noises, latencies}) {
+    EXPECT_EQ(drawn.size(), static_cast<std::size_t>(n_flights));
+  }
+  // Ranges of the physical models: level 0 to 3, skew 0 to 33 ms, boxes 1 to 6 %.
+  EXPECT_LT(*levels.rbegin(), 3);
+  EXPECT_GT(*levels.rbegin(), 1.5);
+  EXPECT_LT(*skews.rbegin(), 33);
+  EXPECT_GT(*skews.rbegin(), 16);
+  EXPECT_GE(*noises.begin(), 0.01);
+  EXPECT_LE(*noises.rbegin(), 0.06);
+  EXPECT_GE(sections.size(), 3U);
+}
+
 }  // namespace
 }  // namespace windhover

@@ -148,7 +148,7 @@ TEST(Scenario, ChecksEachRule) {
   EXPECT_THAT(ErrorsOf(kValid + "sensor: {bayer: rggb, jpeg_quality: 90}\n"),
               ElementsAre(HasSubstr("sensor.jpeg_quality: must be 0 where frames are raw under "
                                     "colour filters (found '90')")));
-  EXPECT_THAT(ErrorsOf(kValid + "sensor: {emva: {bits: 8, offset_dn: 200}}\n"),
+  EXPECT_THAT(ErrorsOf(kValid + "sensor: {model: emva1288, emva: {bits: 8, offset_dn: 200}}\n"),
               ElementsAre(HasSubstr("sensor.emva.offset_dn: must be below half the largest grey "
                                     "value, 255 (found '200')")));
   EXPECT_THAT(ErrorsOf(kValid + "exposure: {auto: {min_ms: 20}}\n"),
@@ -163,6 +163,86 @@ TEST(Scenario, ChecksEachRule) {
               ElementsAre(HasSubstr("expect.0.min: must be at most max, 1 (found '2')")));
   EXPECT_THAT(ErrorsOf(kValid + "score: {collision_m: 2}\n"),
               ElementsAre(HasSubstr("score.collision_m: must be at most near_miss_m, 1.5")));
+}
+
+// What a shutter or a sensor that was not chosen would have needed.
+TEST(Scenario, KeysThatNothingReadsMustBeLeftOut) {
+  EXPECT_THAT(ErrorsOf(kValid + "sensor: {emva: {prnu: 0.02}}\nexposure: {row_time_us: 20}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:23: sensor.emva.prnu: must be left out (or 0.01) "
+                                    "unless sensor.model is emva1288 (found '0.02')"),
+                          HasSubstr("s.yaml:6:25: exposure.row_time_us: must be left out (or 44) "
+                                    "unless exposure.shutter is rolling (found '20')")));
+  EXPECT_THAT(ErrorsOf(kValid + "sensor: {model: emva1288, emva: {prnu: 0.02}}\nexposure: "
+                                "{shutter: rolling, row_time_us: 20}\n"),
+              testing::IsEmpty());
+  // As resolved.yaml has them.
+  EXPECT_THAT(ErrorsOf(kValid + "sensor: {emva: {prnu: 0.01}}\nexposure: {row_time_us: 44}\n"),
+              testing::IsEmpty());
+}
+
+TEST(Scenario, ReportsKeysThatCannotBeDrawn) {
+  EXPECT_THAT(
+      ErrorsOf(kValid + R"(randomize:
+  - {key: vibration.levl, min: 0, max: 3}
+  - {key: vibration.level, min: -1, max: 3}
+  - {key: flex.section, one_of: [al_2020, oak]}
+  - {key: exposure.skew_ms, min: 3, max: 1}
+  - {key: exposure.jitter_ms, min: 3}
+  - {key: uwb.sigma_m, min: 0, max: 1, one_of: [2]}
+  - {key: aircraft.0.yaw_deg, min: 0, max: 1}
+  - {key: random_seed, min: 0, max: 1}
+  - {key: sensor.jpeg_quality, min: 0, max: 10}
+  - {key: vibration.level, min: 0, max: 1}
+  - {min: 0}
+)"),
+      ElementsAre(HasSubstr("s.yaml:6:11: vibration.levl: must be a known key; did you mean"),
+                  HasSubstr("s.yaml:7:33: vibration.level: must be a number between 0 and"),
+                  HasSubstr("s.yaml:8:43: flex.section: must be one of cf_tube_16_14, "),
+                  HasSubstr("s.yaml:9:34: randomize.3.min: must be at most max, 1 (found '3')"),
+                  HasSubstr("s.yaml:10:5: randomize.4: must be given min and max, or one_of "
+                            "(found 'exposure.jitter_ms')"),
+                  HasSubstr("s.yaml:11:5: randomize.5: must be given min and max, or one_of"),
+                  HasSubstr("s.yaml:12:11: aircraft: must be a list (found a map)"),
+                  HasSubstr("s.yaml:13:11: randomize.7.key: must be neither random_seed nor a"),
+                  HasSubstr("s.yaml:14:11: sensor.jpeg_quality: must be a whole number"),
+                  HasSubstr("s.yaml:15:11: randomize.9.key: must be unlike every other key"),
+                  HasSubstr("s.yaml:16:5: randomize.10.key: must be text, not empty")));
+}
+
+// 0.3 is a share of [0, 3); another key in the list changes nothing, another seed all.
+TEST(Scenario, DrawsWhatItRandomizes) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("s.yaml", kValid + R"(randomize:
+  - {key: vibration.level, min: 0, max: 3}
+  - {key: flex.section, one_of: [al_2020, cf_tube_16_14]}
+)");
+  const Scenario scenario = LoadScenario(file);
+  EXPECT_TRUE(scenario.randomize.empty());
+  EXPECT_EQ(ResolvedYaml(LoadScenario(file), PathStyle::kAsGiven),
+            ResolvedYaml(scenario, PathStyle::kAsGiven));
+  const Scenario again =
+      LoadScenario(folder.Write("resolved.yaml", ResolvedYaml(scenario, PathStyle::kAsGiven)));
+  EXPECT_EQ(again.vibration.level, scenario.vibration.level);
+  const Scenario alone = LoadScenario(file, {"randomize=[{key: vibration.level, min: 0, max: 3}]"});
+  EXPECT_EQ(alone.vibration.level, scenario.vibration.level);
+  double sum = 0, largest = 0;
+  int n_aluminium = 0;
+  constexpr int kSeeds = 200;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const Scenario one = LoadScenario(file, {"random_seed=" + std::to_string(seed)});
+    sum += one.vibration.level;
+    largest = std::max(largest, one.vibration.level);
+    n_aluminium += one.flex.section == BarSectionType::kAl2020;
+  }
+  // Four standard errors: 3 / √12 / √200 and √(200) / 2.
+  EXPECT_NEAR(sum / kSeeds, 1.5, 0.25);
+  EXPECT_NEAR(n_aluminium, kSeeds / 2, 29);
+  EXPECT_GT(largest, 2.8);
+  EXPECT_LE(largest, 3);
+  const Scenario undrawn = LoadUndrawnScenario(file);
+  EXPECT_EQ(undrawn.vibration.level, 1);
+  const std::string text = ResolvedYaml(undrawn, PathStyle::kAsGiven);
+  EXPECT_EQ(ResolvedYaml(ScenarioFromYaml(text, "base"), PathStyle::kAsGiven), text);
 }
 
 TEST(Scenario, AWrongValueIsReportedOnceNotTwice) {
