@@ -112,7 +112,7 @@ Scenario Everything(std::vector<std::string> more = {}) {
        "vibration.level=0.1", "vibration.source=rotors",
        "optics={focus_m: 100, temperature_change_K: 20, thermal_focus_per_K: 1e-5, "
        "left: {cx_px_per_K: 0.01}, right: {focus_m: 50, thermal_focus_per_K: 2e-5}}",
-       "exposure={skew_ms: 1, jitter_ms: 0.5, shutter: rolling, row_time_us: 1000}",
+       "exposure={skew_ms: 3, jitter_ms: 0.5, shutter: rolling, row_time_us: 1000}",
        "geometric={sigma_px: 0, sigma_relative: 0, gross_rate: 0.2, gross_sigma: 0.01}",
        "uwb={sigma_m: 0.1, bias_m: 0.05, antenna_delay_sigma_m: 0.05, antenna_m: [0.1, 0.2, 0.3], "
        "ranging: single_sided, clock_sigma_ppm: 5, power_bias: 0.5, nlos_fraction: 0.3, "
