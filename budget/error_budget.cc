@@ -15,9 +15,11 @@ std::vector<Effect> FirstOrder(const ErrorSource& source, const Scenario& scenar
   return effects;
 }
 
+// Moves distances, always alike. What moves none may still be half of another row's cause.
 bool IsConstant(const BudgetRow& row) {
-  return std::all_of(row.first_order.begin(), row.first_order.end(),
-                     [](const Effect& effect) { return effect.sigma_m == 0; });
+  return std::all_of(row.first_order.begin(), row.first_order.end(), [](const Effect& effect) {
+    return effect.bias_m != 0 && effect.sigma_m == 0;
+  });
 }
 
 std::vector<BudgetRow> RowsOf(const std::vector<ErrorSource>& sources, const Scenario& scenario,

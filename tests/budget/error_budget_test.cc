@@ -184,6 +184,20 @@ TEST(ErrorBudget, SourcesAreAllThatIsSimulated) {
   }
 }
 
+// What turns the rig as a whole is no constant: it would bend the bar in the row of its drift.
+TEST(ErrorBudget, NothingIsBesideWhereNothingIsConstant) {
+  BudgetPlan plan;
+  plan.n_flights = plan.n_instants = 3;
+  const ErrorBudget budget = ComputeErrorBudget(
+      Preset("calibrated", {"rig.misalignment.yaw_deg=0", "rig.misalignment.pitch_deg=0",
+                            "rig.misalignment.roll_deg=0", "flex.drift.yaw_sigma_deg=0.01"}),
+      plan);
+  EXPECT_EQ(budget.rows.size(), 4U);
+  for (const BudgetRow& row : budget.rows) {
+    EXPECT_EQ(row.beside_constants_m.back(), row.simulated.back().sigma_m) << row.name;
+  }
+}
+
 // The paper's 70 px: first order says -84 m at 40 m, the rig measures 12 m.
 TEST(ErrorBudget, SaysWhatFirstOrderCannot) {
   BudgetPlan plan;
