@@ -42,7 +42,13 @@ Scenario LoadUndrawnScenario(const std::filesystem::path& file,
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
   }
-  return ReadScenario(root, InputFiles::kMustExist);
+  Scenario scenario = ReadScenario(root, InputFiles::kMustExist);
+  std::erase_if(scenario.randomize, [&](const RandomizedKey& randomized) {
+    return std::any_of(overrides.begin(), overrides.end(), [&](const std::string& set) {
+      return set.starts_with(randomized.key + "=");
+    });
+  });
+  return scenario;
 }
 
 Scenario LoadScenario(const std::filesystem::path& file,

@@ -294,7 +294,8 @@ struct Scenario {
 Scenario LoadScenario(const std::filesystem::path& file,
                       const std::vector<std::string>& overrides = {});
 
-/// The same with nothing drawn: as the base of a data set, every flight of which draws anew.
+/// The same with nothing drawn (and only what `overrides` do not hold to be drawn): as the base of
+/// a data set, every flight of which draws anew.
 Scenario LoadUndrawnScenario(const std::filesystem::path& file,
                              const std::vector<std::string>& overrides = {});
 

@@ -225,6 +225,9 @@ TEST(Scenario, DrawsWhatItRandomizes) {
   EXPECT_EQ(again.vibration.level, scenario.vibration.level);
   const Scenario alone = LoadScenario(file, {"randomize=[{key: vibration.level, min: 0, max: 3}]"});
   EXPECT_EQ(alone.vibration.level, scenario.vibration.level);
+  const Scenario held = LoadScenario(file, {"vibration.level=0.25"});
+  EXPECT_EQ(held.vibration.level, 0.25);
+  EXPECT_EQ(held.flex.section, scenario.flex.section);
   double sum = 0, largest = 0;
   int n_aluminium = 0;
   constexpr int kSeeds = 200;
