@@ -58,7 +58,8 @@ Json SwarmJson(const SwarmMetrics& swarm) {
           {"collisions", NumberOrNull(swarm.collisions)},
           {"near_misses", NumberOrNull(swarm.near_misses)},
           {"order", NumberOrNull(swarm.order)},
-          {"connectivity", NumberOrNull(swarm.connectivity)}};
+          {"connectivity", NumberOrNull(swarm.connectivity)},
+          {"algebraic_connectivity", NumberOrNull(swarm.algebraic_connectivity)}};
 }
 
 Json GateJson(const GateResult& gate) {

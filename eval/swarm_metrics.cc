@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 
 #include "eval/samples.h"
 
@@ -78,46 +77,64 @@ std::optional<double> Order(std::span<const world_truth_t> world) {
   return sum / n_ticks;
 }
 
-/// Groups of aircraft that are linked, directly or over others (union-find).
-class LinkedGroups {
+/// Which aircraft are linked by sight.
+class SightGraph {
  public:
-  explicit LinkedGroups(std::size_t n) : parent_(n) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  explicit SightGraph(std::size_t n)
+      : linked_(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n))) {
   }
-  std::size_t GroupOf(std::size_t i) const {
-    while (parent_[i] != i) i = parent_[i];
-    return i;
-  }
-  void Link(std::size_t i, std::size_t j) { parent_[GroupOf(i)] = GroupOf(j); }
 
+  void Link(std::size_t i, std::size_t j) {
+    const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
+    linked_(row, column) = linked_(column, row) = 1;
+  }
+
+  /// Share of all in the largest group that is linked, directly or over others.
   double LargestShare() const {
-    std::vector<int> size(parent_.size());
-    for (std::size_t i = 0; i < parent_.size(); ++i) ++size[GroupOf(i)];
-    return *std::max_element(size.begin(), size.end()) / static_cast<double>(parent_.size());
+    const Eigen::Index n = linked_.rows();
+    Eigen::MatrixXd reached = linked_ + Eigen::MatrixXd::Identity(n, n);
+    for (Eigen::Index length = 1; length < n; length *= 2) {
+      reached = (reached * reached).cwiseMin(1.0);
+    }
+    return reached.rowwise().sum().maxCoeff() / static_cast<double>(n);
+  }
+
+  double AlgebraicConnectivity() const {
+    Eigen::MatrixXd laplacian = -linked_;
+    laplacian.diagonal() += linked_.rowwise().sum();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(laplacian, Eigen::EigenvaluesOnly);
+    // Ascending; what rounding leaves of a 0 is below 1e-12.
+    const double second = solver.eigenvalues()[1];
+    return second < 1e-12 ? 0 : second / static_cast<double>(linked_.rows());
   }
 
  private:
-  std::vector<std::size_t> parent_;
+  Eigen::MatrixXd linked_;
 };
 
-std::optional<double> Connectivity(std::span<const world_truth_t> world,
-                                   std::span<const ObserverFrame> frames) {
-  if (world.empty() || world.front().uavs.size() < 2) return std::nullopt;
+void MeasureSight(std::span<const world_truth_t> world, std::span<const ObserverFrame> frames,
+                  SwarmMetrics* metrics) {
+  if (world.empty() || world.front().uavs.size() < 2) return;
   std::map<int, std::size_t> index;
   for (const uav_truth_t& uav : world.front().uavs) index.emplace(uav.id, index.size());
-  std::map<Utime, LinkedGroups> groups;
+  std::map<Utime, SightGraph> graphs;
   for (const ObserverFrame& frame : frames) {
-    LinkedGroups& group = groups.try_emplace(frame.utime, index.size()).first->second;
+    SightGraph& graph = graphs.try_emplace(frame.utime, index.size()).first->second;
     for (const target_annotation_t& target : frame.truth.targets) {
       const auto from = index.find(frame.observer_id), to = index.find(target.target_id);
       if (from == index.end() || to == index.end() || !InViewOfBoth(target)) continue;
-      group.Link(from->second, to->second);
+      graph.Link(from->second, to->second);
     }
   }
-  if (groups.empty()) return std::nullopt;
-  double sum = 0;
-  for (const auto& [utime, group] : groups) sum += group.LargestShare();
-  return sum / static_cast<double>(groups.size());
+  if (graphs.empty()) return;
+  double share = 0, algebraic = 0;
+  for (const auto& [utime, graph] : graphs) {
+    share += graph.LargestShare();
+    algebraic += graph.AlgebraicConnectivity();
+  }
+  const auto n = static_cast<double>(graphs.size());
+  metrics->connectivity = share / n;
+  metrics->algebraic_connectivity = algebraic / n;
 }
 
 }  // namespace
@@ -127,7 +144,7 @@ SwarmMetrics ComputeSwarmMetrics(std::span<const world_truth_t> world,
   SwarmMetrics metrics;
   MeasureSeparation(world, score, &metrics);
   metrics.order = Order(world);
-  metrics.connectivity = Connectivity(world, frames);
+  MeasureSight(world, frames, &metrics);
   return metrics;
 }
 

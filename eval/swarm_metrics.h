@@ -19,6 +19,9 @@ struct SwarmMetrics {
   /// Mean over frames of the share of aircraft in the largest group that is linked by sight: a
   /// link is a target in view of both cameras of an aircraft.
   std::optional<double> connectivity;
+  /// Mean over frames of λ₂ / N of the Laplacian of those links, 0 where the aircraft fall into
+  /// more than one group, 1 where all see all. Source: M. Fiedler, Czech. Math. J. 23, 1973.
+  std::optional<double> algebraic_connectivity;
 };
 
 SwarmMetrics ComputeSwarmMetrics(std::span<const world_truth_t> world,

@@ -8,6 +8,7 @@
 #include "camera/lens_config.h"
 #include "camera/stereo_rig.h"
 #include "common/config/fields.h"
+#include "scenarios/swarm_config.h"
 
 namespace windhover {
 
@@ -19,14 +20,15 @@ inline constexpr EnumNames<Observe> kEnumNames<Observe>{{Observe::kTruth, "truth
                                                         {Observe::kAnnotated, "annotated"},
                                                         {Observe::kImage, "image"}};
 
-/// Who moves an aircraft: sim (hold, trajectory, waypoints) or its swarm node (follow).
-enum class Controller { kHold, kTrajectory, kWaypoints, kFollow };
+/// Who moves an aircraft: sim (hold, trajectory, waypoints) or its swarm node (follow, swarm).
+enum class Controller { kHold, kTrajectory, kWaypoints, kFollow, kSwarm };
 template <>
 inline constexpr EnumNames<Controller> kEnumNames<Controller>{
     {Controller::kHold, "hold"},
     {Controller::kTrajectory, "trajectory"},
     {Controller::kWaypoints, "waypoints"},
-    {Controller::kFollow, "follow"}};
+    {Controller::kFollow, "follow"},
+    {Controller::kSwarm, "swarm"}};
 
 /// The stereo rig as calibrated: what its owner believes. The rig that render/ uses differs by
 /// the scenario's misalignment, vibration and flex.
@@ -111,6 +113,7 @@ struct AircraftConfig {
   Observe observe = Observe::kGeometric;
   CalibratedRig rig;
   EstimatorConfig estimator;
+  SwarmConfig swarm;
   std::vector<AircraftSelf> aircraft;  ///< Sorted by id.
 };
 

@@ -31,6 +31,7 @@ AircraftConfig Scenario::ForAircraft() const {
                         .observe = observe,
                         .rig = rig.calibrated,
                         .estimator = estimator,
+                        .swarm = swarm,
                         .aircraft = {}};
   for (const Aircraft& one : aircraft) config.aircraft.push_back(one.self);
   return config;

@@ -251,6 +251,7 @@ struct Scenario {
   EnvironmentConfig environment;
   GeometricConfig geometric;
   EstimatorConfig estimator;
+  SwarmConfig swarm;
   ScoreConfig score;
   DatasetConfig dataset;
   std::vector<RandomizedKey> randomize;
@@ -277,6 +278,7 @@ struct Scenario {
     v.Section("environment", environment, "surroundings and light");
     v.Section("geometric", geometric, "boxes of observe: geometric");
     v.Section("estimator", estimator, "detection and distance estimation");
+    v.Section("swarm", swarm, "how aircraft with controller swarm fly");
     v.Section("score", score, "how the run is scored");
     v.Section("dataset", dataset, "flights that make a data set");
     v.List("randomize", randomize, "keys that every random_seed draws anew");

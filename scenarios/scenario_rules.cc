@@ -241,8 +241,11 @@ class RuleChecker {
               path + ".controller");
     CheckFile(path + ".mesh.file", aircraft.mesh.file, aircraft.type == AircraftType::kMesh,
               "for type mesh", path + ".type");
-    if (controller == Controller::kFollow && !aircraft.self.carries_rig) {
-      MustBe(path + ".carries_rig", "true for controller follow", "false", {path + ".controller"});
+    const bool flies_by_sight =
+        controller == Controller::kFollow || controller == Controller::kSwarm;
+    if (flies_by_sight && !aircraft.self.carries_rig) {
+      MustBe(path + ".carries_rig", "true for controller follow or swarm", "false",
+             {path + ".controller"});
     }
     if (controller == Controller::kFollow && scenario_.aircraft.size() < 2) {
       MustBe(path + ".controller", "follow only where there is another aircraft", "one aircraft");

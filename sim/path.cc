@@ -21,6 +21,7 @@ std::unique_ptr<Path> MakePath(const Aircraft& aircraft, double end_s) {
     case Controller::kWaypoints:
       return std::make_unique<WaypointPath>(aircraft.waypoints);
     case Controller::kFollow:
+    case Controller::kSwarm:
       return nullptr;
   }
   return nullptr;

@@ -1,5 +1,9 @@
 #include "swarm/flight_controller.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "swarm/flock_controller.h"
 #include "swarm/follow_controller.h"
 
 namespace windhover {
@@ -9,12 +13,34 @@ std::unique_ptr<FlightController> MakeFlightController(const AircraftConfig& con
   switch (self.controller) {
     case Controller::kFollow:
       return std::make_unique<FollowController>(config, self.follow);
+    case Controller::kSwarm:
+      return std::make_unique<FlockController>(config);
     case Controller::kHold:
     case Controller::kTrajectory:
     case Controller::kWaypoints:
       return nullptr;
   }
   return nullptr;
+}
+
+Eigen::Isometry3d X_WB(const nav_state_t& nav) {
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  X_WB.translation() = Eigen::Vector3d(nav.p_WB_m);
+  X_WB.linear() = Eigen::Quaterniond(nav.qw, nav.qx, nav.qy, nav.qz).toRotationMatrix();
+  return X_WB;
+}
+
+Eigen::Vector3d Limited(const Eigen::Vector3d& v, double largest) {
+  const double norm = v.norm();
+  return norm > largest ? Eigen::Vector3d(v * (largest / norm)) : v;
+}
+
+double YawRateTowards(const Eigen::Vector3d& line_W, const Eigen::Isometry3d& X_WR) {
+  constexpr double kGain_per_s = 1.25, kLargest_radps = 1;
+  const Eigen::Vector3d axis = X_WR.linear().col(2);  // The line of sight of the rig.
+  const double bearing_rad = std::remainder(
+      std::atan2(line_W.y(), line_W.x()) - std::atan2(axis.y(), axis.x()), 2 * EIGEN_PI);
+  return std::clamp(kGain_per_s * bearing_rad, -kLargest_radps, kLargest_radps);
 }
 
 }  // namespace windhover

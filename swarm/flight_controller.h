@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include <Eigen/Geometry>
+
 #include "lcmtypes/nav_state_t.hpp"
 #include "lcmtypes/range_t.hpp"
 #include "lcmtypes/velocity_command_t.hpp"
@@ -22,5 +24,14 @@ class FlightController {
 /// The controller that the aircraft asks for; null where sim moves it (hold, trajectory, …).
 std::unique_ptr<FlightController> MakeFlightController(const AircraftConfig& config,
                                                        const AircraftSelf& self);
+
+/// Where the aircraft believes to be.
+Eigen::Isometry3d X_WB(const nav_state_t& nav);
+
+/// `v`, no longer than `largest`.
+Eigen::Vector3d Limited(const Eigen::Vector3d& v, double largest);
+
+/// Turns a rig at X_WR towards `line_W`, seen from above.
+double YawRateTowards(const Eigen::Vector3d& line_W, const Eigen::Isometry3d& X_WR);
 
 }  // namespace windhover

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swarm/flocking.h"
+
 namespace windhover {
 namespace {
 
@@ -10,20 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kMemory_s = 1;
 constexpr double kEvasion_mps2 = 3;
-constexpr double kYawGain_per_s = 1.25, kLargestYawRate_radps = 1;
 constexpr double kGravity_mps2 = 9.80665;
-
-Vector3d Limited(const Vector3d& v, double largest) {
-  const double norm = v.norm();
-  return norm > largest ? Vector3d(v * (largest / norm)) : v;
-}
-
-Eigen::Isometry3d X_WB(const nav_state_t& nav) {
-  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-  X_WB.translation() = Vector3d(nav.p_WB_m);
-  X_WB.linear() = Eigen::Quaterniond(nav.qw, nav.qx, nav.qy, nav.qz).toRotationMatrix();
-  return X_WB;
-}
 
 double GentleAcceleration(const CalibratedRig& rig) {
   constexpr double kShareOfField = 0.6, kLeast_mps2 = 0.3, kMost_mps2 = 3;
@@ -33,16 +22,6 @@ double GentleAcceleration(const CalibratedRig& rig) {
 }
 
 }  // namespace
-
-double BrakingSpeed(double error_m, double gain_per_s, double deceleration_mps2) {
-  if (gain_per_s <= 0) return 0;
-  const double distance_m = std::abs(error_m), knee_mps = deceleration_mps2 / gain_per_s;
-  const double speed_mps =
-      distance_m * gain_per_s < knee_mps
-          ? distance_m * gain_per_s
-          : std::sqrt(2 * deceleration_mps2 * distance_m - knee_mps * knee_mps);
-  return std::copysign(speed_mps, error_m);
-}
 
 FollowController::FollowController(const AircraftConfig& config, const FollowConfig& follow)
     : config_(follow),
@@ -85,13 +64,7 @@ FollowController::Wish FollowController::WishFor(const nav_state_t& nav) const {
   const double climb_mps = BrakingSpeed(to_target_m.z(), config_.gain_per_s, 0.8 * gentle_mps2_);
   wish.v_WB_mps = Limited(closing_mps * line + Vector3d(0, 0, climb_mps), config_.max_speed_mps);
 
-  const Vector3d axis = X_WR.linear().col(2);  // The line of sight of the rig.
-  const double bearing_rad =
-      std::remainder(std::atan2(line.y(), line.x()) - std::atan2(axis.y(), axis.x()), 2 * EIGEN_PI);
-  if (!line.isZero()) {
-    wish.yaw_rate_radps =
-        std::clamp(kYawGain_per_s * bearing_rad, -kLargestYawRate_radps, kLargestYawRate_radps);
-  }
+  if (!line.isZero()) wish.yaw_rate_radps = YawRateTowards(line, X_WR);
   return wish;
 }
 

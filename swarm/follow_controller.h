@@ -49,9 +49,4 @@ class FollowController : public FlightController {
   Eigen::Vector3d last_v_WB_mps_ = Eigen::Vector3d::Zero();
 };
 
-/// Speed at which a distance of `error_m` may be closed: gain · error, but no more than can be
-/// lost again at `deceleration_mps2`. Has the sign of the error. Source: the braking curve of G.
-/// Vásárhelyi et al., "Optimized flocking of autonomous drones in confined environments", 2018.
-double BrakingSpeed(double error_m, double gain_per_s, double deceleration_mps2);
-
 }  // namespace windhover

@@ -65,5 +65,26 @@ TEST(SwarmMetrics, ConnectivityIsTheLargestGroupThatSeesEachOther) {
   EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(world, frames, ScoreConfig{}).connectivity, 0.5);
 }
 
+// V6.10: λ₂ of a path of three is 1, of three that all see each other 3; of two groups 0.
+TEST(SwarmMetrics, AlgebraicConnectivityIsZeroWhereGroupsArePart) {
+  const auto lambda2 = [](int n, const std::vector<std::pair<int, int>>& sights) {
+    world_truth_t world{};
+    for (int id = 0; id < n; ++id) world.uavs.push_back(Uav(id, 9 * id));
+    std::vector<ObserverFrame> frames;
+    for (const auto& [from, to] : sights) {
+      frames.push_back(SeenFrame(0, TargetAhead(to, 9), 9));
+      frames.back().observer_id = from;
+    }
+    const std::vector<world_truth_t> ticks{world};
+    return n * *ComputeSwarmMetrics(ticks, frames, ScoreConfig{}).algebraic_connectivity;
+  };
+  EXPECT_NEAR(lambda2(3, {{0, 1}, {1, 2}}), 1, 1e-12);
+  EXPECT_NEAR(lambda2(3, {{0, 1}, {1, 2}, {2, 0}, {0, 2}}), 3, 1e-12);
+  EXPECT_EQ(lambda2(4, {{0, 1}, {2, 3}}), 0);
+  EXPECT_EQ(lambda2(4, {{0, 1}, {1, 2}}), 0);
+  // A path of n: 2 - 2 cos(π / n).
+  EXPECT_NEAR(lambda2(4, {{0, 1}, {1, 2}, {2, 3}}), 2 - std::sqrt(2.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace windhover

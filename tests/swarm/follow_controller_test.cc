@@ -64,23 +64,6 @@ velocity_command_t Settled(FollowController& controller, const range_t& ranges,
   return command;
 }
 
-TEST(BrakingSpeed, WorkedExample) {
-  EXPECT_DOUBLE_EQ(BrakingSpeed(0.5, 0.8, 0.5), 0.4);  // below the knee of 0.5 / 0.8² m
-  // Above it: √(2 · 0.5 · 5 - (0.5 / 0.8)²) = 2.147.
-  EXPECT_NEAR(BrakingSpeed(5, 0.8, 0.5), 2.147, 1e-3);
-  EXPECT_EQ(BrakingSpeed(-5, 0.8, 0.5), -BrakingSpeed(5, 0.8, 0.5));
-  EXPECT_EQ(BrakingSpeed(5, 0, 0.5), 0);
-}
-
-TEST(BrakingSpeed, IsContinuousAndCanBeBraked) {
-  for (double error_m = 0; error_m < 20; error_m += 0.01) {
-    const double h = 1e-6, v = BrakingSpeed(error_m, 0.8, 0.5);
-    const double slope = (BrakingSpeed(error_m + h, 0.8, 0.5) - v) / h;
-    EXPECT_LE(slope, 0.8 + 1e-6);
-    EXPECT_LE(slope * v, 0.5 + 1e-5) << "deceleration at " << error_m;  // dv/dt = dv/de · v
-  }
-}
-
 TEST(FollowController, RestsAtItsDistance) {
   FollowController controller(Config(), Follow());
   const auto command = Settled(controller, Ranges({Estimate({0, 0, kDistance_m})}));
