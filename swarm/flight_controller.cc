@@ -23,6 +23,19 @@ std::unique_ptr<FlightController> MakeFlightController(const AircraftConfig& con
   return nullptr;
 }
 
+velocity_command_t VelocityRamp::Towards(const Eigen::Vector3d& wish_mps, double largest_mps2,
+                                         double yaw_rate_radps, const nav_state_t& nav) {
+  const double elapsed_s = last_utime_ ? SecondsFromUtime(nav.utime - *last_utime_) : frame_s_;
+  last_utime_ = nav.utime;
+  last_v_WB_mps_ += Limited(wish_mps - last_v_WB_mps_, largest_mps2 * elapsed_s);
+  velocity_command_t command{};
+  command.utime = nav.utime;
+  command.id = nav.id;
+  std::copy_n(last_v_WB_mps_.data(), 3, command.v_WB_mps);
+  command.yaw_rate_radps = yaw_rate_radps;
+  return command;
+}
+
 Eigen::Isometry3d X_WB(const nav_state_t& nav) {
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
   X_WB.translation() = Eigen::Vector3d(nav.p_WB_m);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <Eigen/Geometry>
 
+#include "common/time/sim_time.h"
 #include "lcmtypes/nav_state_t.hpp"
 #include "lcmtypes/range_t.hpp"
 #include "lcmtypes/velocity_command_t.hpp"
@@ -24,6 +26,21 @@ class FlightController {
 /// The controller that the aircraft asks for; null where sim moves it (hold, trajectory, …).
 std::unique_ptr<FlightController> MakeFlightController(const AircraftConfig& config,
                                                        const AircraftSelf& self);
+
+/// Turns wishes into commands whose velocity changes no faster than allowed.
+class VelocityRamp {
+ public:
+  explicit VelocityRamp(double frame_s) : frame_s_(frame_s) {}
+
+  /// The command of the tick that `nav` is of.
+  velocity_command_t Towards(const Eigen::Vector3d& wish_mps, double largest_mps2,
+                             double yaw_rate_radps, const nav_state_t& nav);
+
+ private:
+  double frame_s_;
+  std::optional<Utime> last_utime_;
+  Eigen::Vector3d last_v_WB_mps_ = Eigen::Vector3d::Zero();
+};
 
 /// Where the aircraft believes to be.
 Eigen::Isometry3d X_WB(const nav_state_t& nav);

@@ -1,7 +1,5 @@
 #include "swarm/flock_controller.h"
 
-#include <algorithm>
-
 #include "swarm/orca.h"
 
 namespace windhover {
@@ -17,7 +15,8 @@ FlockController::FlockController(const AircraftConfig& config)
     : config_(config.swarm),
       X_BR_(config.rig.X_BR()),
       frame_s_(1 / config.frame_rate_hz),
-      tracks_(config.estimator.in_loop) {}
+      tracks_(config.estimator.in_loop),
+      ramp_(frame_s_) {}
 
 Vector3d FlockController::WishFor(const nav_state_t& nav,
                                   const std::vector<Neighbour>& neighbours) const {
@@ -38,19 +37,11 @@ velocity_command_t FlockController::Control(const nav_state_t& nav, const range_
   tracks_.Look(nav, X_BR_, ranges);
   const std::vector<Neighbour> neighbours = tracks_.Within(config_.perception_m, nav);
   const Vector3d wish_mps = Limited(WishFor(nav, neighbours), config_.max_speed_mps);
-  const double elapsed_s = last_utime_ ? SecondsFromUtime(nav.utime - *last_utime_) : frame_s_;
-  last_utime_ = nav.utime;
-  last_v_WB_mps_ += Limited(wish_mps - last_v_WB_mps_, config_.max_acceleration_mps2 * elapsed_s);
-
-  velocity_command_t command{};
-  command.utime = nav.utime;
-  command.id = nav.id;
-  std::copy_n(last_v_WB_mps_.data(), 3, command.v_WB_mps);
   Vector3d line = Vector3d::Zero();
   for (const Neighbour& neighbour : neighbours) line += neighbour.p_m;
-  command.yaw_rate_radps =
+  const double yaw_rate_radps =
       neighbours.empty() ? kSearch_radps : YawRateTowards(line, X_WB(nav) * X_BR_);
-  return command;
+  return ramp_.Towards(wish_mps, config_.max_acceleration_mps2, yaw_rate_radps, nav);
 }
 
 }  // namespace windhover

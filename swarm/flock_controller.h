@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "swarm/neighbour_tracks.h"
 
 namespace windhover {
@@ -21,8 +19,7 @@ class FlockController : public FlightController {
   Eigen::Isometry3d X_BR_;
   double frame_s_;
   NeighbourTracks tracks_;
-  std::optional<Utime> last_utime_;
-  Eigen::Vector3d last_v_WB_mps_ = Eigen::Vector3d::Zero();
+  VelocityRamp ramp_;
 };
 
 }  // namespace windhover

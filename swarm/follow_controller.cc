@@ -27,8 +27,8 @@ FollowController::FollowController(const AircraftConfig& config, const FollowCon
     : config_(follow),
       method_(config.estimator.in_loop),
       X_BR_(config.rig.X_BR()),
-      frame_s_(1 / config.frame_rate_hz),
-      gentle_mps2_(GentleAcceleration(config.rig)) {}
+      gentle_mps2_(GentleAcceleration(config.rig)),
+      ramp_(1 / config.frame_rate_hz) {}
 
 void FollowController::Look(const nav_state_t& nav, const range_t& ranges) {
   const range_estimate_t* nearest = nullptr;
@@ -71,16 +71,7 @@ FollowController::Wish FollowController::WishFor(const nav_state_t& nav) const {
 velocity_command_t FollowController::Control(const nav_state_t& nav, const range_t& ranges) {
   Look(nav, ranges);
   const Wish wish = WishFor(nav);
-  const double elapsed_s = last_utime_ ? SecondsFromUtime(nav.utime - *last_utime_) : frame_s_;
-  last_utime_ = nav.utime;
-  last_v_WB_mps_ += Limited(wish.v_WB_mps - last_v_WB_mps_, wish.largest_mps2 * elapsed_s);
-
-  velocity_command_t command{};
-  command.utime = nav.utime;
-  command.id = nav.id;
-  std::copy_n(last_v_WB_mps_.data(), 3, command.v_WB_mps);
-  command.yaw_rate_radps = wish.yaw_rate_radps;
-  return command;
+  return ramp_.Towards(wish.v_WB_mps, wish.largest_mps2, wish.yaw_rate_radps, nav);
 }
 
 }  // namespace windhover

@@ -40,13 +40,11 @@ class FollowController : public FlightController {
   FollowConfig config_;
   std::string method_;
   Eigen::Isometry3d X_BR_;
-  double frame_s_;
   double gentle_mps2_;
+  VelocityRamp ramp_;
 
   std::optional<Eigen::Vector3d> p_WT_m_;  // The target, where last seen.
   Utime seen_utime_ = 0;
-  std::optional<Utime> last_utime_;
-  Eigen::Vector3d last_v_WB_mps_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace windhover
