@@ -134,10 +134,9 @@ void AddRollingShutter(const Scenario& scenario, ErrorSources* sources) {
                           },
                       .first_order =
                           [](const Scenario& of, const Sight& at) {
-                            const Eigen::Vector3d direction((at.x + at.x_right()) / 2, at.y, 1);
                             const double later_s =
                                 1e-6 * of.exposure.row_time_us * at.focal_px * at.y;
-                            return Effect{later_s * at.v_mps.dot(direction.normalized()), 0};
+                            return Effect{later_s * RangeRate_mps(at), 0};
                           }});
 }
 

@@ -84,6 +84,12 @@ void AddRemounting(const Scenario& scenario, ErrorSources* sources) {
 
 }  // namespace
 
+Eigen::Vector3d DirectionOf(const Sight& at) {
+  return Eigen::Vector3d((at.x + at.x_right()) / 2, at.y, 1).normalized();
+}
+
+double RangeRate_mps(const Sight& at) { return at.v_mps.dot(DirectionOf(at)); }
+
 Effect OfDisparity(const Sight& at, double mean_px, double sigma_px) {
   const double by_depth = RangeByDepth(at);
   const double mean = std::abs(mean_px) / at.disparity_px(), sigma = sigma_px / at.disparity_px();

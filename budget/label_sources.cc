@@ -10,13 +10,6 @@
 namespace windhover {
 namespace {
 
-// Of the target, from the rig.
-Eigen::Vector3d Direction(const Sight& at) {
-  return Eigen::Vector3d((at.x + at.x_right()) / 2, at.y, 1).normalized();
-}
-
-double RangeRate_mps(const Sight& at) { return at.v_mps.dot(Direction(at)); }
-
 double Range_m(const Sight& at) {
   return at.depth_m * std::hypot(1, (at.x + at.x_right()) / 2, at.y);
 }
@@ -64,7 +57,7 @@ void AddObserversAntenna(const Scenario& scenario, ErrorSources* sources) {
       [](const Scenario& of, const Sight& at) {
         // Not to first order alone: a lever across the view counts nearby.
         const double range_m = Range_m(at);
-        return Effect{range_m - (range_m * Direction(at) - AntennaInRig_m(of)).norm(), 0};
+        return Effect{range_m - (range_m * DirectionOf(at) - AntennaInRig_m(of)).norm(), 0};
       },
       sources);
 }
@@ -81,7 +74,7 @@ void AddTargetsAntenna(const Scenario& scenario, ErrorSources* sources) {
       [](const Scenario& of, const Sight& at) {
         // Any heading is as likely as any other.
         const Eigen::Vector3d antenna_m = AntennaOfTarget_m(of);
-        const double up = Direction(at).dot(UpInRig(of));
+        const double up = DirectionOf(at).dot(UpInRig(of));
         const double level = std::sqrt(1 - up * up);
         return Effect{-up * antenna_m.z(), level * antenna_m.head<2>().norm() / std::sqrt(2)};
       },

@@ -22,6 +22,11 @@ void AddBoxSources(const Scenario& scenario, ErrorSources* sources);
 /// UWB, where the score is held against it.
 void AddLabelSources(const Scenario& scenario, ErrorSources* sources);
 
+/// Of the target, from the rig: unit vector in R.
+Eigen::Vector3d DirectionOf(const Sight& at);
+/// How fast the target's range grows.
+double RangeRate_mps(const Sight& at);
+
 /// The error of range by a disparity that errs by a constant and by noise; the mean has its
 /// second-order term, all that noise does to it.
 Effect OfDisparity(const Sight& at, double mean_px, double sigma_px);
