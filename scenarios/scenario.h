@@ -17,6 +17,7 @@
 #include "scenarios/dataset_config.h"
 #include "scenarios/flight_config.h"
 #include "scenarios/randomized_key.h"
+#include "scenarios/render_config.h"
 #include "scenarios/sensor_config.h"
 #include "scenarios/uwb_config.h"
 
@@ -139,45 +140,6 @@ struct NavConfig {
   }
 };
 
-enum class EnvironmentType {
-  kPlayground,
-  kForest,
-  kBuildings,
-  kBasketballCourt,
-  kPanorama,
-  kPhoto
-};
-template <>
-inline constexpr EnumNames<EnvironmentType> kEnumNames<EnvironmentType>{
-    {EnvironmentType::kPlayground, "playground"},
-    {EnvironmentType::kForest, "forest"},
-    {EnvironmentType::kBuildings, "buildings"},
-    {EnvironmentType::kBasketballCourt, "basketball_court"},
-    {EnvironmentType::kPanorama, "panorama"},
-    {EnvironmentType::kPhoto, "photo"}};
-
-struct EnvironmentConfig {
-  EnvironmentType type = EnvironmentType::kPlayground;
-  InputFile file;
-  double yaw_deg = 0;
-  double photo_width_deg = 60;
-  double brightness = 1;
-  double sun_azimuth_deg = 120;
-  double sun_elevation_deg = 50;
-
-  template <typename Visitor>
-  void Fields(Visitor& v) {
-    v.Field("type", type, AnyEnum{}, "what surrounds the aircraft, parallax-free");
-    v.Field("file", file, MayBeEmpty{}, "image of type panorama (equirectangular) or photo");
-    v.Field("yaw_deg", yaw_deg, InRange{-360, 360}, "turn about W's z");
-    v.Field("photo_width_deg", photo_width_deg, InRange{1, 170},
-            "photo: horizontal angle that it fills, centred east (plus yaw_deg)");
-    v.Field("brightness", brightness, InRange{0.01, 100}, "factor on all light");
-    v.Field("sun_azimuth_deg", sun_azimuth_deg, InRange{-360, 360}, "0 is east, 90 north");
-    v.Field("sun_elevation_deg", sun_elevation_deg, InRange{-90, 90}, "above the horizon");
-  }
-};
-
 enum class ScoreReference { kRange, kDepth, kUwb };
 template <>
 inline constexpr EnumNames<ScoreReference> kEnumNames<ScoreReference>{
@@ -249,6 +211,7 @@ struct Scenario {
   WindConfig wind;
   std::vector<Aircraft> aircraft;  ///< Sorted by id, at least one.
   EnvironmentConfig environment;
+  RenderConfig render;
   GeometricConfig geometric;
   EstimatorConfig estimator;
   SwarmConfig swarm;
@@ -276,6 +239,7 @@ struct Scenario {
     v.Section("wind", wind, "moving air; acts on aircraft of dynamics rigid_body");
     v.List("aircraft", aircraft, "every aircraft");
     v.Section("environment", environment, "surroundings and light");
+    v.Section("render", render, "how images are made");
     v.Section("geometric", geometric, "boxes of observe: geometric");
     v.Section("estimator", estimator, "detection and distance estimation");
     v.Section("swarm", swarm, "how aircraft with controller swarm fly");

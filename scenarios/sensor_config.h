@@ -63,6 +63,7 @@ struct SensorConfig {
   EmvaConfig emva = {};
   TransferCurve transfer = TransferCurve::kSrgb;
   BayerPattern bayer = BayerPattern::kNone;
+  bool grey = false;
   int jpeg_quality = 0;
 
   template <typename Visitor>
@@ -74,6 +75,7 @@ struct SensorConfig {
     v.Section("emva", emva, "model: emva1288");
     v.Field("transfer", transfer, AnyEnum{}, "from linear light to bytes");
     v.Field("bayer", bayer, AnyEnum{}, "colour filters; frames then have one value a pixel");
+    v.Field("grey", grey, AnyBool{}, "luminance alone, one value a pixel");
     v.Field("jpeg_quality", jpeg_quality, InRange{0, 100}, "of compressed frames; 0: none");
   }
 };
