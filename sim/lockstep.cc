@@ -47,7 +47,11 @@ RunInvalid::RunInvalid(std::string its_culprit, std::string its_reason)
       reason(std::move(its_reason)) {}
 
 Lockstep::Lockstep(Bus& bus, std::int64_t run_id, std::vector<std::string> peers, double deadline_s)
-    : bus_(bus), run_id_(run_id), peers_(std::move(peers)), deadline_s_(deadline_s) {
+    : bus_(bus),
+      run_id_(run_id),
+      peers_(std::move(peers)),
+      deadline_s_(deadline_s),
+      rehearsal_deadline_s_(deadline_s) {
   std::stable_sort(peers_.begin(), peers_.end(),
                    [](const auto& a, const auto& b) { return UpstreamRank(a) < UpstreamRank(b); });
   tick_.utime = std::numeric_limits<std::int64_t>::min();
@@ -136,6 +140,7 @@ bool Lockstep::WaitUntil(Clock::time_point deadline, const std::function<bool()>
 }
 
 void Lockstep::WaitForPeers(double timeout_s) {
+  rehearsal_deadline_s_ = std::max(deadline_s_, timeout_s);
   const auto all_present = [this] { return present_.size() == peers_.size(); };
   const auto seconds = [](double t_s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t_s));
@@ -213,10 +218,12 @@ void Lockstep::Step(tick_t tick) {
   done_.clear();
   announced_.clear();
   Publish(tick);
+  const double limit_s =
+      tick.phase == tick_t::PHASE_REHEARSAL ? rehearsal_deadline_s_ : deadline_s_;
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                           std::chrono::duration<double>(deadline_s_));
+                                           std::chrono::duration<double>(limit_s));
   if (!WaitUntil(deadline, [this] { return AllDone(); })) {
-    FailSilent(fmt::format("has not answered tick {} within {} s", tick.tick, deadline_s_), done_);
+    FailSilent(fmt::format("has not answered tick {} within {} s", tick.tick, limit_s), done_);
   }
   if (!WaitUntil(deadline, [this] { return AllArrived(); })) FailMissing();
   before_ = bus_.Counts();

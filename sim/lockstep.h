@@ -34,15 +34,16 @@ class RunInvalid : public std::runtime_error {
 class Lockstep {
  public:
   /// `peers` are the processes that take part ("render-0"); `deadline_s` is wall-clock time for
-  /// one tick. Everything else that is to be recorded or read must be subscribed on `bus` before
-  /// the first Step().
+  /// one tick of the run. Everything else that is to be recorded or read must be subscribed on
+  /// `bus` before the first Step().
   Lockstep(Bus& bus, std::int64_t run_id, std::vector<std::string> peers, double deadline_s);
   Lockstep(const Lockstep&) = delete;
 
   /// `check` is called now and then while this waits; what it throws ends the wait.
   void CheckWhileWaiting(std::function<void()> check) { check_ = std::move(check); }
 
-  /// Calls the roll until each peer has said HELLO.
+  /// Calls the roll until each peer has said HELLO. The rehearsal, in which peers do what is done
+  /// only once, may take `timeout_s` too.
   /// @throws RunInvalid naming who is missing, or a peer with other message types.
   void WaitForPeers(double timeout_s);
 
@@ -76,6 +77,7 @@ class Lockstep {
   std::int64_t run_id_;
   std::vector<std::string> peers_;  // Upstream first.
   double deadline_s_;
+  double rehearsal_deadline_s_;
   std::function<void()> check_ = [] {};
   tick_t tick_{};
   std::set<std::string> present_;

@@ -254,6 +254,30 @@ TEST(LockstepOverTheHub, KeepsStepWithPeersInTheirOwnThreads) {
   second.join();
 }
 
+// What is done only once may take as long as the start of a process.
+TEST(LockstepOverTheHub, HoldsTheRehearsalToNoDeadlineOfATick) {
+  HubThread hub;
+  std::thread peer([url = hub.Url()] {
+    Bus bus(url);
+    TickClient client(bus, "render-0", kRun);
+    int n_ticks = 0;
+    client.OnTick([&](const tick_t&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      ++n_ticks;
+    });
+    while (n_ticks < 2) {
+      client.Announce();
+      bus.Handle(20);
+    }
+  });
+  Bus bus(hub.Url());
+  Lockstep lockstep(bus, kRun, {"render-0"}, /*deadline_s=*/0.1);
+  lockstep.WaitForPeers(60);
+  EXPECT_NO_THROW(lockstep.Step(TickNumber(-1)));
+  EXPECT_THAT(InvalidFrom([&] { lockstep.Step(TickNumber(0)); }).reason, HasSubstr("tick 0"));
+  peer.join();
+}
+
 TEST(LockstepOverTheHub, NamesThePeerThatMissesTheDeadline) {
   HubThread hub;
   Bus bus(hub.Url());
