@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   CommandAction chosen;
   for (const auto add : {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand,
                          AddScoreCommand, AddBudgetCommand, AddReportCommand, AddReproduceCommand,
-                         AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
+                         AddBenchCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
     add(app, &chosen);
   }
   int exit_code = 0;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/process/process.h"
+#include "render/render_benchmark.h"
 #include "render/render_node.h"
 #include "render/self_test.h"
 #include "render/snapshot.h"
@@ -51,6 +53,26 @@ int RunSnapshot(int argc, char** argv) {
   });
 }
 
+int RunBenchmark(int argc, char** argv) {
+  RenderBenchmarkPlan plan;
+  bool as_json = false;
+  const std::map<std::string, Rasteriser> rasterisers = {{"osmesa", Rasteriser::kOsMesa},
+                                                         {"native", Rasteriser::kNative}};
+  CLI::App app("times stereo pairs", kName);
+  app.add_flag_function(
+         "--benchmark", [](std::int64_t) {}, "time stereo pairs")
+      ->required();
+  app.add_flag("--json", as_json, "print JSON instead of a table");
+  app.add_option("--rasteriser", plan.rasteriser, "who draws aircraft")
+      ->transform(CLI::CheckedTransformer(rasterisers));
+  app.add_option("--threads", plan.threads, "of each process")->check(CLI::Range(1, 1024));
+  app.add_option("--rounds", plan.rounds, "of which the least counts")->check(CLI::Range(1, 10000));
+  return RunProgram(app, argc, argv, [&] {
+    const nlohmann::ordered_json result = RunRenderBenchmark(plan);
+    fmt::print("{}", as_json ? result.dump(2) + "\n" : RenderBenchmarkText(result));
+  });
+}
+
 int RunSelfTest() {
   try {
     fmt::print("{}\n", RunGlSelfTest());
@@ -72,6 +94,7 @@ bool HasFlag(int argc, char** argv, std::string_view flag) {
 
 int main(int argc, char** argv) {
   if (windhover::HasFlag(argc, argv, "--self-test")) return windhover::RunSelfTest();
+  if (windhover::HasFlag(argc, argv, "--benchmark")) return windhover::RunBenchmark(argc, argv);
   if (windhover::HasFlag(argc, argv, "--snapshot")) return windhover::RunSnapshot(argc, argv);
   return windhover::RunProcess(windhover::kName, windhover::kPurpose, argc, argv,
                                windhover::RunNode);

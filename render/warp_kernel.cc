@@ -2,6 +2,8 @@
 
 #include <immintrin.h>
 
+#include "common/cpu/instruction_set.h"
+
 namespace windhover {
 namespace {
 
@@ -108,7 +110,7 @@ void WarpPixelsSse2(const MapWindow& window, const WarpSpan& span, std::uint16_t
 }
 
 void WarpPixels(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb) {
-  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  static const bool has_avx2 = WidestInstructionSet() != InstructionSet::kSse2;
   has_avx2 ? WarpPixelsAvx2(window, span, rgb) : WarpPixelsSse2(window, span, rgb);
 }
 

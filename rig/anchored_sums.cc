@@ -141,13 +141,6 @@ void AddAmplitudes(const Sinusoids& signal, std::size_t begin, Group* group) {
 
 }  // namespace
 
-InstructionSet WidestInstructionSet() {
-  static const InstructionSet widest = __builtin_cpu_supports("avx512f") ? InstructionSet::kAvx512
-                                       : __builtin_cpu_supports("avx2")  ? InstructionSet::kAvx2
-                                                                         : InstructionSet::kSse2;
-  return widest;
-}
-
 AnchoredSums::AnchoredSums(const std::vector<Sinusoids>& sums)
     : n_sums_(sums.size()), n_padded_(WholeBlocks(sums.size())) {
   double highest_hz = 0;

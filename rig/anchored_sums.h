@@ -4,15 +4,10 @@
 #include <limits>
 #include <vector>
 
+#include "common/cpu/instruction_set.h"
 #include "rig/sinusoids.h"
 
 namespace windhover {
-
-/// Instruction sets of x86-64 that sums are compiled for. They give the same bits.
-enum class InstructionSet { kSse2, kAvx2, kAvx512 };
-
-/// The widest of this processor.
-InstructionSet WidestInstructionSet();
 
 /// Sums of sinusoids of any frequencies, by their Taylor series about anchors: moments evenly
 /// spaced so closely that no line turns by more than 3.4 rad to either side. The first term left

@@ -1,9 +1,9 @@
 #include <array>
-#include <cmath>
 
 #include <benchmark/benchmark.h>
 
 #include "common/geometry/rotation.h"
+#include "render/benchmark_scene.h"
 #include "render/box_detector.h"
 #include "render/eye_image.h"
 #include "render/stereo_renderer.h"
@@ -11,53 +11,24 @@
 namespace windhover {
 namespace {
 
-// Sixteen places of the target, 4.5 to 82 m away, log-spaced; 12 mm lenses, 1280 × 720 px,
-// distortion and noise on.
-constexpr int kPoses = 16;
-
-Scenario BenchScenario() {
-  Scenario scenario;
-  scenario.observe = Observe::kImage;
-  scenario.rig.calibrated.distortion.k1 = -0.1;
-  scenario.rig.misalignment.offset_px = 70;
-  scenario.aircraft.resize(2);
-  scenario.aircraft[0].self.carries_rig = true;
-  scenario.aircraft[1].self.id = 1;
-  return scenario;
-}
-
-world_truth_t WorldAt(int pose) {
-  world_truth_t world{};
-  world.n_uavs = 2;
-  world.uavs.resize(2, uav_truth_t{});
-  const double distance_m = 4.5 * std::pow(82 / 4.5, pose / (kPoses - 1.0));
-  world.uavs[1].id = 1;
-  world.uavs[0].qw = 1;
-  world.uavs[1].p_WB_m[0] = distance_m;
-  world.uavs[1].p_WB_m[1] = 0.05 * distance_m * std::sin(1.3 * pose);
-  world.uavs[1].p_WB_m[2] = 0.03 * distance_m * std::cos(1.7 * pose);
-  world.uavs[1].qw = std::cos(0.4 * pose);
-  world.uavs[1].qz = std::sin(0.4 * pose);
-  return world;
-}
-
 // One iteration is one stereo pair; the 16 poses take turns.
 void BM_StereoPair(benchmark::State& state) {
-  Scenario scenario = BenchScenario();
+  Scenario scenario = BenchmarkScenario();
   if (state.range(1) > 1) {  // Turning so that the exposure needs that many parts.
     scenario.exposure.max_samples = static_cast<int>(state.range(1));
     scenario.exposure.max_blur_px = 0.01;
   }
   StereoRenderer renderer(scenario, {0}, static_cast<int>(state.range(0)));
-  std::array<world_truth_t, kPoses> worlds;
-  for (int i = 0; i < kPoses; ++i) {
-    worlds[static_cast<std::size_t>(i)] = WorldAt(i);
+  std::array<world_truth_t, kBenchmarkPoses> worlds;
+  for (int i = 0; i < kBenchmarkPoses; ++i) {
+    worlds[static_cast<std::size_t>(i)] = BenchmarkWorld(i);
     if (state.range(1) > 1) worlds[static_cast<std::size_t>(i)].uavs[0].w_WB_B_radps[2] = 0.1;
     renderer.Render(worlds[static_cast<std::size_t>(i)], i);
   }
   int i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(renderer.Render(worlds[static_cast<std::size_t>(i % kPoses)], i));
+    benchmark::DoNotOptimize(
+        renderer.Render(worlds[static_cast<std::size_t>(i % kBenchmarkPoses)], i));
     ++i;
   }
   state.counters["pairs/s"] =
@@ -75,7 +46,7 @@ BENCHMARK(BM_StereoPair)
 
 // The rig of scenarios/presets/uavde_12mm.yaml in flight: how many parts an exposure needs.
 void BM_VibratingPair(benchmark::State& state) {
-  Scenario scenario = BenchScenario();
+  Scenario scenario = BenchmarkScenario();
   scenario.vibration.source = VibrationSource::kPsd;
   scenario.flex.enabled = true;
   scenario.flex.frequency_hz = 62;
@@ -83,11 +54,11 @@ void BM_VibratingPair(benchmark::State& state) {
   scenario.exposure.duration_ms = 3;
   StereoRenderer renderer(scenario, {0}, static_cast<int>(state.range(0)));
   const SceneGeometry geometry(scenario, {0});
-  renderer.Render(WorldAt(0), 0);
+  renderer.Render(BenchmarkWorld(0), 0);
   double exposures = 0;
   int i = 0;
   for (auto _ : state) {
-    world_truth_t world = WorldAt(i % kPoses);
+    world_truth_t world = BenchmarkWorld(i % kBenchmarkPoses);
     world.utime = 50'000 * i;
     benchmark::DoNotOptimize(renderer.Render(world, i++));
     exposures += static_cast<double>(
@@ -107,11 +78,10 @@ BENCHMARK(BM_VibratingPair)
 
 // Background and sensor of one pair, without targets.
 void BM_Background(benchmark::State& state) {
-  Scenario scenario = BenchScenario();
+  Scenario scenario = BenchmarkScenario();
   scenario.sensor.noise = state.range(0) != 0;
   StereoRenderer renderer(scenario, {0}, 1);
-  world_truth_t world = WorldAt(0);
-  world.uavs[1].p_WB_m[0] = -50;
+  const world_truth_t world = EmptyBenchmarkWorld();
   renderer.Render(world, 0);
   for (auto _ : state) benchmark::DoNotOptimize(renderer.Render(world, 1));
 }
@@ -119,7 +89,7 @@ BENCHMARK(BM_Background)->ArgName("noise")->Arg(0)->Arg(1)->Unit(benchmark::kMil
 
 // The target alone, both eyes, at one distance.
 void BM_Target(benchmark::State& state) {
-  const Scenario scenario = BenchScenario();
+  const Scenario scenario = BenchmarkScenario();
   const SceneGeometry geometry(scenario, {0});
   const AircraftShape& shape = geometry.ShapeOf(1);
   const PreparedModel model(shape.model, shape.radius_m);
@@ -146,9 +116,9 @@ BENCHMARK(BM_Target)->ArgName("depth_m")->Arg(5)->Arg(10)->Arg(20)->Arg(40)->Arg
     benchmark::kMillisecond);
 
 void BM_GeometricFrame(benchmark::State& state) {
-  Scenario scenario = BenchScenario();
+  Scenario scenario = BenchmarkScenario();
   const SceneGeometry geometry(scenario, {0});
-  const world_truth_t world = WorldAt(7);
+  const world_truth_t world = BenchmarkWorld(7);
   int tick = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -15,8 +16,8 @@ const std::string kWindhover = std::string(WINDHOVER_BIN_DIR) + "/windhover";
 const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/";
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command : {"run", "budget", "check", "keys", "replay", "reproduce", "score",
-                              "report", "snapshot", "doctor", "spy"}) {
+  for (const char* command : {"run", "bench", "budget", "check", "keys", "replay", "reproduce",
+                              "score", "report", "snapshot", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
@@ -34,6 +35,9 @@ TEST(Windhover, WrongUsageIsExitCode2) {
            {"run", kScenarios + "ideal_geometric.yaml", "--observe", "x-ray"},
            {"run", kScenarios + "ideal_geometric.yaml", "--bus", "canbus"},
            {"keys", "no.such.section"},
+           {"bench"},
+           {"bench", "render", "--rasteriser", "gpu"},
+           {"bench", "render", "--rounds", "0"},
            {"budget", "no/such.yaml"},
            {"budget", kScenarios + "uavde_12mm.yaml", "--distances", "-1"},
            {"reproduce", "lens", "--out", "x"},
@@ -98,6 +102,32 @@ TEST(WindhoverRun, AGeometricRunPassesAndReplays) {
                    "--set", "expect=[{metric: methods.baseline.abs_rel, max: 1e-9}]"});
   EXPECT_EQ(failing.Wait(), 1) << failing.Err();
   EXPECT_THAT(failing.Out(), HasSubstr("FAIL"));
+}
+
+// What the figures mean, not how large they are: a test is no stopwatch.
+TEST(WindhoverBench, FiguresOfARoundAgree) {
+  Program bench({kWindhover, "bench", "render", "--rounds", "1", "--json", "--isa", "avx2"});
+  ASSERT_EQ(bench.Wait(), 0) << bench.Err();
+  const auto json = nlohmann::json::parse(bench.Out());
+  EXPECT_EQ(json["setting"]["image_px"], nlohmann::json({1280, 720}));
+  EXPECT_NE(json["setting"]["instructions"], "avx512");
+  const auto number = [&](const char* row, const char* key) {
+    return json[row][key].get<double>();
+  };
+  double cpu_ms = 0;
+  for (const auto& pose : json["full"]["by_pose"]) cpu_ms += pose["cpu_ms"].get<double>() / 16;
+  EXPECT_NEAR(cpu_ms, number("full", "cpu_ms"), 1e-9 * cpu_ms);
+  for (const char* row : {"background", "full", "blurred"}) {
+    EXPECT_NEAR(number(row, "pairs_per_s") * number(row, "wall_ms"), 1000, 1e-6) << row;
+    EXPECT_GT(number(row, "cpu_ms"), 0);
+    EXPECT_GT(number(row, "peak_memory_mib"), 2 * 1280 * 720 * 3 / 1048576.0);  // Its own images.
+  }
+  EXPECT_NEAR(number("blurred", "ratio"), number("blurred", "cpu_ms") / number("full", "cpu_ms"),
+              1e-9);
+  EXPECT_EQ(json["blurred"]["time_samples"], 9);
+  EXPECT_NEAR(number("two_processes", "ratio"),
+              number("two_processes", "pairs_per_s") / number("full", "pairs_per_s"), 1e-9);
+  EXPECT_GT(number("start_up", "wall_s"), 0);
 }
 
 }  // namespace
