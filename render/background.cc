@@ -1,10 +1,9 @@
 #include "render/background.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
-
-#include "render/warp_kernel.h"
 
 namespace windhover {
 namespace {
@@ -21,6 +20,11 @@ Eigen::Vector3d RayOf(const AnyCamera& camera, const Eigen::Vector2d& q_px) {
 
 std::int32_t ToFixed(double texels) {
   return static_cast<std::int32_t>(std::lround(texels * 65536));
+}
+
+// Of the way from one row of nodes to the next, `t` of kRayCell_px rows.
+std::int32_t Between(std::int32_t a, std::int32_t b, int t) {
+  return a + ((b - a) * t + kRayCell_px / 2) / kRayCell_px;
 }
 
 }  // namespace
@@ -77,48 +81,43 @@ BackgroundWarp::BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const 
       warp.v_min < window.v0 || warp.v_max > window.v0 + window.height - 2) {
     throw std::logic_error("BackgroundWarp: the window does not cover the view");
   }
-  nodes_.reserve(warp.places.size());
   for (const Eigen::Vector2d& place : warp.places) {
-    nodes_.push_back({ToFixed(place.x() - window.u0), ToFixed(place.y() - window.v0)});
+    u_.push_back(ToFixed(place.x() - window.u0));
+    v_.push_back(ToFixed(place.y() - window.v0));
   }
 }
 
-void BackgroundWarp::Row(int y, std::uint16_t* rgb) const {
+void BackgroundWarp::Row(int y, RowShare share, std::uint16_t* rgb) const {
   if (warp_.near_pole) {
-    ExactRow(y, rgb);
+    ExactRow(y, share, rgb);
     return;
   }
-  const int j = y / kRayCell_px, t = y % kRayCell_px;
-  const Node* above = nodes_.data() + static_cast<std::ptrdiff_t>(j) * grid_.columns;
-  const Node* below = above + grid_.columns;
-  const auto between = [t](std::int32_t a, std::int32_t b) {
-    return a + ((b - a) * t + kRayCell_px / 2) / kRayCell_px;
-  };
-  for (int i = 0; i + 1 < grid_.columns; ++i) {
-    const int x = i * kRayCell_px;
-    const WarpSpan span{.u0 = between(above[i].u, below[i].u),
-                        .v0 = between(above[i].v, below[i].v),
-                        .u1 = between(above[i + 1].u, below[i + 1].u),
-                        .v1 = between(above[i + 1].v, below[i + 1].v),
-                        .count = std::min(kRayCell_px, grid_.width_px - x)};
-    WarpPixels(window_, span, rgb + x * 3);
+  const auto columns = static_cast<std::size_t>(grid_.columns);
+  const std::size_t above = static_cast<std::size_t>(y / kRayCell_px) * columns;
+  const int t = y % kRayCell_px;
+  std::vector<std::int32_t> u(columns), v(columns);
+  for (std::size_t i = 0; i < columns; ++i) {
+    u[i] = Between(u_[above + i], u_[above + columns + i], t);
+    v[i] = Between(v_[above + i], v_[above + columns + i], t);
   }
+  WarpRow(window_, {u.data(), v.data(), grid_.width_px}, share, rgb);
 }
 
-void BackgroundWarp::ExactRow(int y, std::uint16_t* rgb) const {
+void BackgroundWarp::ExactRow(int y, RowShare share, std::uint16_t* rgb) const {
   // Between rows of nodes the camera turns evenly.
   const bool is_one = warp_.R_WC.size() == 1;
   const auto j = static_cast<std::size_t>(is_one ? 0 : y / kRayCell_px);
-  const double share = is_one ? 0 : y % kRayCell_px * (1.0 / kRayCell_px);
+  const double way = is_one ? 0 : y % kRayCell_px * (1.0 / kRayCell_px);
   Eigen::Matrix3d R_WC = warp_.R_WC[j];
-  if (share > 0) R_WC = (1 - share) * R_WC + share * warp_.R_WC[j + 1];
+  if (way > 0) R_WC = (1 - way) * R_WC + way * warp_.R_WC[j + 1];
   for (int x = 0; x < grid_.width_px; ++x) {
     const Eigen::Vector3d d_W = R_WC * RayOf(grid_.camera, {x, y});
     Eigen::Vector2d place = map_.PlaceOf(d_W, warp_.chart);
     const double u_near = (warp_.u_min + warp_.u_max) / 2;
     place.x() -= std::round((place.x() - u_near) / map_.Width()) * map_.Width();
-    const std::int32_t u = ToFixed(place.x() - window_.u0), v = ToFixed(place.y() - window_.v0);
-    WarpPixels(window_, {.u0 = u, .v0 = v, .u1 = u, .v1 = v, .count = 1}, rgb + x * 3);
+    const std::array u = {ToFixed(place.x() - window_.u0), 0};
+    const std::array v = {ToFixed(place.y() - window_.v0), 0};
+    WarpRow(window_, {u.data(), v.data(), 1}, share, rgb + x * 3);
   }
 }
 

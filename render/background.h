@@ -7,11 +7,12 @@
 
 #include "camera/any_camera.h"
 #include "render/radiance_map.h"
+#include "render/warp_kernel.h"
 
 namespace windhover {
 
 /// Spacing of the grid on which rays are exact, px.
-inline constexpr int kRayCell_px = 16;
+inline constexpr int kRayCell_px = kWarpCell_px;
 
 /// The rays of one camera on a grid of its pixels, in C. They depend on the lens alone.
 class RayGrid {
@@ -45,21 +46,18 @@ class BackgroundWarp {
   BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const RadianceMap& map,
                  const MapWindow& window);
 
-  /// Writes the linear light of row `y`: width · 3 values, and one more that may be overwritten.
-  void Row(int y, std::uint16_t* rgb) const;
+  /// Puts or adds a share of the linear light of row `y`: 3 · width values into `rgb`, and up to
+  /// kRowMargin more that may be overwritten.
+  void Row(int y, RowShare share, std::uint16_t* rgb) const;
 
  private:
-  /// Place in the window of a node, in 1/65536 texels.
-  struct Node {
-    std::int32_t u, v;
-  };
-  void ExactRow(int y, std::uint16_t* rgb) const;
+  void ExactRow(int y, RowShare share, std::uint16_t* rgb) const;
 
   const RayGrid& grid_;
   const WarpGrid& warp_;
   const RadianceMap& map_;
   const MapWindow& window_;
-  std::vector<Node> nodes_;
+  std::vector<std::int32_t> u_, v_;  ///< Places of the nodes in the window, 1/65536 texels.
 };
 
 }  // namespace windhover

@@ -7,12 +7,6 @@
 namespace windhover {
 namespace {
 
-// The shares sum to 65536, so that white times them, rounded, still fits in 32 bits.
-__attribute__((target_clones("default", "avx2"))) void MeanRow(const std::uint32_t* sum, int count,
-                                                               std::uint16_t* row) {
-  for (int i = 0; i < count; ++i) row[i] = static_cast<std::uint16_t>((sum[i] + 32768u) >> 16);
-}
-
 void ShadeRow(const std::uint16_t* shading, int count, std::uint16_t* row) {
   for (int i = 0; i < count; ++i) {
     row[i] = static_cast<std::uint16_t>((std::uint32_t{row[i]} * shading[i / 3] + 32768u) >> 16);
@@ -35,25 +29,11 @@ void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
 
 }  // namespace
 
-void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand& band, int width_px,
-                    std::uint16_t* linear) {
-  const int count = width_px * 3;
-  // A warp writes one value beyond its row, which must not be the next band's.
-  std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + 1);
-  std::vector<std::uint32_t> sum(static_cast<std::size_t>(count));
-  for (int y = band.y0; y < band.y1; ++y) {
-    std::uint16_t* out = linear + static_cast<std::ptrdiff_t>(y) * count;
-    if (backgrounds.size() == 1) {
-      backgrounds[0].warp.Row(y, row.data());
-      std::copy_n(row.data(), count, out);
-      continue;
-    }
-    std::fill(sum.begin(), sum.end(), 0);
-    for (const BackgroundShare& background : backgrounds) {
-      background.warp.Row(y, row.data());
-      AddScaled(row.data(), background.share, count, sum.data());
-    }
-    MeanRow(sum.data(), count, out);
+void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y, std::uint16_t* row) {
+  bool is_added = false;
+  for (const BackgroundShare& background : backgrounds) {
+    background.warp.Row(y, {background.share, is_added}, row);
+    is_added = true;
   }
 }
 
@@ -108,19 +88,16 @@ TargetLayer SpreadLayer(const TargetLayer& layer, const PointSpread& spread, int
   return wider;
 }
 
-void ComposeRows(std::span<const TargetLayer> layers, std::span<const std::uint16_t> shading,
-                 const Sensor& sensor, const Shot& shot, const RowBand& band, std::uint16_t* linear,
-                 RgbImage* image) {
+void ComposeRow(std::span<const TargetLayer> layers, std::span<const std::uint16_t> shading,
+                const Sensor& sensor, const Shot& shot, int y, std::uint16_t* row,
+                RgbImage* image) {
   const int count = image->width_px * 3;
-  for (int y = band.y0; y < band.y1; ++y) {
-    std::uint16_t* row = linear + static_cast<std::ptrdiff_t>(y) * count;
-    for (const TargetLayer& layer : layers) BlendRow(layer, y, row);
-    if (!shading.empty()) {
-      ShadeRow(shading.data() + static_cast<std::ptrdiff_t>(y) * image->width_px, count, row);
-    }
-    sensor.Expose(shot, y, count, row);
-    sensor.Transfer(row, count, image->Row(y));
+  for (const TargetLayer& layer : layers) BlendRow(layer, y, row);
+  if (!shading.empty()) {
+    ShadeRow(shading.data() + static_cast<std::ptrdiff_t>(y) * image->width_px, count, row);
   }
+  sensor.Expose(shot, y, count, row);
+  sensor.Transfer(row, count, image->Row(y));
 }
 
 }  // namespace windhover

@@ -19,15 +19,9 @@ struct BackgroundShare {
   std::uint32_t share;
 };
 
-/// Rows [y0, y1) of an image, as part of the work on it.
-struct RowBand {
-  int y0, y1;
-};
-
-/// Weighted mean of the surroundings over the exposure: linear light, 3 · width_px values a row,
-/// into the rows of `band` of `linear` (a whole image, and one value more).
-void FillBackground(std::span<const BackgroundShare> backgrounds, const RowBand& band, int width_px,
-                    std::uint16_t* linear);
+/// Weighted mean of the surroundings over the exposure: linear light of row `y`, 3 · width values
+/// into `row`, which has room for kRowMargin more.
+void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y, std::uint16_t* row);
 
 /// Share of its light that each pixel keeps, in 65536ths; empty without vignetting.
 std::vector<std::uint16_t> ShadingOf(const RayGrid& rays, const OpticsConfig& optics);
@@ -36,13 +30,12 @@ std::vector<std::uint16_t> ShadingOf(const RayGrid& rays, const OpticsConfig& op
 TargetLayer SpreadLayer(const TargetLayer& layer, const PointSpread& spread, int width_px,
                         int height_px);
 
-/// An image from its parts: targets over the surroundings from far to near (`layers` in that
-/// order), vignetting (`shading`, ShadingOf; empty: none), sensor. `linear` is used up.
+/// A row of an image from its parts: targets (`layers`, from far to near) over the surroundings
+/// (`row`, which is used up), vignetting (`shading`, ShadingOf; empty: none), sensor.
 ///
 /// Background and coverage are averaged over the exposure apart from each other, which is exact
 /// where either is constant.
-void ComposeRows(std::span<const TargetLayer> layers, std::span<const std::uint16_t> shading,
-                 const Sensor& sensor, const Shot& shot, const RowBand& band, std::uint16_t* linear,
-                 RgbImage* image);
+void ComposeRow(std::span<const TargetLayer> layers, std::span<const std::uint16_t> shading,
+                const Sensor& sensor, const Shot& shot, int y, std::uint16_t* row, RgbImage* image);
 
 }  // namespace windhover

@@ -2,19 +2,14 @@
 
 #include <map>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "common/image/rgb_image.h"
 #include "lcmtypes/annotation_t.hpp"
-#include "lcmtypes/world_truth_t.hpp"
-#include "render/background.h"
 #include "render/environment.h"
-#include "render/motion.h"
-#include "render/point_spread.h"
 #include "render/prepared_model.h"
-#include "render/scene_geometry.h"
 #include "render/sensor.h"
+#include "render/stereo_view.h"
 #include "render/target_pass.h"
 #include "scenarios/scenario.h"
 
@@ -45,33 +40,29 @@ class StereoRenderer {
   std::vector<RenderedPair> Render(const world_truth_t& world, int tick);
 
  private:
-  struct Observer;
-  struct Eye;
-
-  void PlanObserver(const world_truth_t& world, Observer* observer) const;
-  void PlaceEyes(const world_truth_t& world, Observer* observer) const;
-  void SortFarToNear(Observer* observer) const;
-  void PrepareEye(Eye* eye) const;
-  void CoverViews(Observer* observer);
-  void ShadeTargets(const world_truth_t& world, Observer* observer) const;
-  void DrawTargets(const world_truth_t& world, Eye* eye, TargetPass* pass) const;
-  void PlaceBackgrounds(Eye* eye) const;
-  void SpreadBackgrounds();
-  void Adapt(const std::vector<RenderedPair>& pairs, int tick);
+  void ShadeTargets(const world_truth_t& world, StereoView* view) const;
+  void DrawTargets(const world_truth_t& world, EyeView* eye, TargetPass* pass) const;
+  void DrawTask(const world_truth_t& world, int task, int worker);
   void DrawParts(const world_truth_t& world);
-  PointSpread SpreadAt(double distance_m, const Eye& eye) const;
-  Shot ShotOf(const Eye& eye, int tick) const;
-  Eye* EyeOf(int index);  ///< 2 · observer, and one more for the right.
+  void KeepSurroundings(EyeView* eye, int band) const;
+  void SpreadSurroundings();
+  void FinishBand(const Shot& shot, int band, EyeView* eye, RgbImage* image) const;
+  void Adapt(const std::vector<RenderedPair>& pairs, int tick);
+  Shot ShotOf(const EyeView& eye, int tick) const;
+  EyeView* EyeOf(int index);  ///< 2 · observer, and one more for the right.
+  int CountEyes() const { return 2 * static_cast<int>(views_.size()); }
 
   const Scenario scenario_;
   const int threads_;
+  const bool is_spread_;           ///< Lenses blur: an image needs all of its surroundings first.
+  const bool keeps_surroundings_;  ///< They are drawn whole before the rest of an image.
   SceneGeometry geometry_;
   std::unique_ptr<Environment> environment_;
   SkyLight light_;
   RadianceMap map_;
   Sensor sensor_;
   std::map<const AircraftShape*, PreparedModel> models_;
-  std::vector<std::unique_ptr<Observer>> observers_;
+  std::vector<std::unique_ptr<StereoView>> views_;
   std::vector<std::unique_ptr<TargetPass>> passes_;  ///< One a thread, made at first use.
 };
 

@@ -2,23 +2,35 @@
 
 #include <cstdint>
 
+#include "common/cpu/instruction_set.h"
 #include "render/radiance_map.h"
 
 namespace windhover {
 
-/// A run of pixels along a row, whose places in a window go in a straight line from (u0, v0), by
-/// sixteenths of the way to (u1, v1). Places are in 1/65536 texels.
-struct WarpSpan {
-  std::int32_t u0, v0, u1, v1;
-  int count;  ///< At most 16.
+/// Pixels between the places that a row of an image is interpolated from.
+inline constexpr int kWarpCell_px = 16;
+
+/// A row of an image whose pixel 16 i looks at (u[i], v[i]) of a window, in 1/65536 texels, and
+/// the pixels between on the straight line to the next place, by sixteenths of the way.
+struct WarpedRow {
+  const std::int32_t *u, *v;  ///< One more than there are cells, the last one begun included.
+  int width_px;
 };
 
-/// Interpolates linearly between four texels for each pixel of `span`. Integers only, so every
-/// processor gives the same bits. Writes 3 · count values and one more.
-void WarpPixels(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
+/// What becomes of the pixels: all of the row, or a share in 65536ths that is put or added there.
+struct RowShare {
+  std::uint32_t share = 65536;
+  bool is_added = false;
+};
 
-/// The same for processors with and without AVX2; WarpPixels chooses.
-void WarpPixelsAvx2(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
-void WarpPixelsSse2(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb);
+/// Values beyond a row's last that a warp may write.
+inline constexpr int kRowMargin = 1;
+
+/// Interpolates linearly between four texels for each pixel of `row`. Integers only, so every
+/// instruction set gives the same bits; products are cut, which costs at most 4/65536 of white, and
+/// 1 for each share. Writes 3 · width_px values and up to kRowMargin more. `window` holds all
+/// places and one texel to the right of and below each.
+void WarpRow(const MapWindow& window, const WarpedRow& row, RowShare share, std::uint16_t* rgb,
+             InstructionSet isa = WidestInstructionSet());
 
 }  // namespace windhover

@@ -1,6 +1,8 @@
 #include "render/warp_kernel.h"
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -13,30 +15,89 @@ std::int32_t Below(RandomStream& stream, double limit) {
   return static_cast<std::int32_t>(stream.Uniform(0, limit));
 }
 
-// Integers only, so the kernels must agree in every bit.
-TEST(WarpPixels, GivesTheSameBitsWithAndWithoutAvx2) {
-  if (__builtin_cpu_supports("avx2") == 0) GTEST_SKIP() << "this processor has no AVX2";
+constexpr int kWidth = 60, kHeight = 40, kPixels = 70;
+
+MapWindow NoiseWindow() {
   RandomStream stream(1, "warp_kernel_test");
   MapWindow window;
-  window.width = 40;
-  window.height = 30;
-  window.texels.resize(40 * 30 + 1);
-  for (Texel& texel : window.texels) {
-    for (auto& value : texel) value = static_cast<std::uint16_t>(Below(stream, 65536));
+  window.width = kWidth;
+  window.height = kHeight;
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    Texel texel{};
+    for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<std::uint16_t>(Below(stream, 65536));
+    window.texels.push_back(texel);
   }
+  return window;
+}
+
+// Four cells and a piece of one, with their ends.
+struct Places {
+  std::array<std::int32_t, 6> u, v;
+};
+
+std::vector<std::uint16_t> Warped(const MapWindow& window, const Places& places, RowShare share,
+                                  InstructionSet isa, std::uint16_t before) {
+  std::vector<std::uint16_t> rgb(3 * kPixels + kRowMargin, before);
+  WarpRow(window, {places.u.data(), places.v.data(), kPixels}, share, rgb.data(), isa);
+  rgb.resize(3 * kPixels);
+  return rgb;
+}
+
+// Half way between two columns and a quarter between two rows, by hand.
+TEST(WarpRow, InterpolatesBetweenFourTexels) {
+  MapWindow window;
+  window.width = 2;
+  window.height = 2;
+  window.texels = {Texel{1000, 0, 65535, 0}, Texel{3000, 0, 65535, 0}, Texel{5000, 400, 65535, 0},
+                   Texel{7000, 400, 65535, 0}};
+  const std::array<std::int32_t, 2> u = {32768, 32768}, v = {16384, 16384};
+  std::array<std::uint16_t, 3 + kRowMargin> rgb{};
+  WarpRow(window, {u.data(), v.data(), 1}, {}, rgb.data());
+  EXPECT_NEAR(rgb[0], 3000, 4);  // Four cut products.
+  EXPECT_NEAR(rgb[1], 100, 4);
+  EXPECT_NEAR(rgb[2], 65535, 4);
+}
+
+// Integers only, so the kernels must agree in every bit: along rows, steeply across them (where the
+// widest kernel gives way), near the window's right edge, whole and as shares.
+TEST(WarpRow, GivesTheSameBitsOnEveryInstructionSet) {
+  if (WidestInstructionSet() == InstructionSet::kSse2)
+    GTEST_SKIP() << "this processor has only SSE2";
+  const MapWindow window = NoiseWindow();
+  RandomStream stream(2, "warp_kernel_test");
   for (int trial = 0; trial < 2000; ++trial) {
-    const WarpSpan span{.u0 = Below(stream, 38 * 65536.0),
-                        .v0 = Below(stream, 28 * 65536.0),
-                        .u1 = Below(stream, 38 * 65536.0),
-                        .v1 = Below(stream, 28 * 65536.0),
-                        .count = 1 + Below(stream, 16)};
-    std::array<std::uint16_t, 49> wide{}, narrow{};
-    WarpPixelsAvx2(window, span, wide.data());
-    WarpPixelsSse2(window, span, narrow.data());
-    for (int i = 0; i < 3 * span.count; ++i) {
-      ASSERT_EQ(wide[static_cast<std::size_t>(i)], narrow[static_cast<std::size_t>(i)]) << i;
+    Places places{};
+    const double step = (trial % 4 == 0 ? 1.3 : 0.85) * 16 * 65536;
+    const double slope = trial % 3 == 0 ? stream.Uniform(-0.5, 0.5) : stream.Uniform(-0.03, 0.03);
+    for (std::size_t i = 0; i < places.u.size(); ++i) {
+      const double u = std::min(static_cast<double>(i) * step / 2 + stream.Uniform(0, 9e5),
+                                (kWidth - 1.001) * 65536);
+      places.u[i] = static_cast<std::int32_t>(u);
+      places.v[i] =
+          static_cast<std::int32_t>((kHeight / 2) * 65536 + slope * u + stream.Uniform(0, 65536));
+    }
+    const RowShare share = trial % 2 == 0 ? RowShare{} : RowShare{20000, trial % 4 == 1};
+    const auto narrow = Warped(window, places, share, InstructionSet::kSse2, 777);
+    ASSERT_EQ(Warped(window, places, share, InstructionSet::kAvx2, 777), narrow) << trial;
+    if (WidestInstructionSet() == InstructionSet::kAvx512) {
+      ASSERT_EQ(Warped(window, places, share, InstructionSet::kAvx512, 777), narrow) << trial;
     }
   }
+}
+
+TEST(WarpRow, SharesAddUpToTheWhole) {
+  const MapWindow window = NoiseWindow();
+  Places places{};
+  for (std::size_t i = 0; i < places.u.size(); ++i) {
+    places.u[i] = static_cast<std::int32_t>(i) * 9 * 65536 + 1234;
+    places.v[i] = 20 * 65536 + static_cast<std::int32_t>(i) * 5000;
+  }
+  const auto whole = Warped(window, places, {}, WidestInstructionSet(), 0);
+  std::vector<std::uint16_t> sum(3 * kPixels + kRowMargin);
+  for (const RowShare share : {RowShare{18204, false}, {29128, true}, {18204, true}}) {
+    WarpRow(window, {places.u.data(), places.v.data(), kPixels}, share, sum.data());
+  }
+  for (std::size_t i = 0; i < whole.size(); ++i) EXPECT_NEAR(sum[i], whole[i], 3) << i;
 }
 
 }  // namespace
