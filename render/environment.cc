@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "common/geometry/rotation.h"
 #include "render/image_environment.h"
@@ -25,6 +26,15 @@ class PlacedEnvironment final : public Environment {
     return inner_->Radiance(R_inner_W_ * d_W, footprint_rad) * brightness_;
   }
 
+  void FillRadiance(std::span<const Vector3f> d_W, float footprint_rad,
+                    std::span<Vector3f> light) const override {
+    std::vector<Vector3f> d_inner;
+    d_inner.reserve(d_W.size());
+    for (const Vector3f& d : d_W) d_inner.push_back(R_inner_W_ * d);
+    inner_->FillRadiance(d_inner, footprint_rad, light);
+    for (Vector3f& l : light) l *= brightness_;
+  }
+
  private:
   std::unique_ptr<Environment> inner_;
   float brightness_;
@@ -45,6 +55,11 @@ std::array<float, 9> Harmonics(const Vector3f& n) {
 }
 
 }  // namespace
+
+void Environment::FillRadiance(std::span<const Vector3f> d_W, float footprint_rad,
+                               std::span<Vector3f> light) const {
+  for (std::size_t i = 0; i < d_W.size(); ++i) light[i] = Radiance(d_W[i], footprint_rad);
+}
 
 Vector3f DirectionFromAngles(double azimuth_deg, double elevation_deg) {
   const double azimuth = RadFromDeg(azimuth_deg), elevation = RadFromDeg(elevation_deg);

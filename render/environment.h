@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -18,6 +19,11 @@ class Environment {
   /// Radiance from the unit direction `d_W`, linear RGB, 1 is a frame's white; averaged over
   /// about `footprint_rad` so that finer detail does not alias.
   virtual Eigen::Vector3f Radiance(const Eigen::Vector3f& d_W, float footprint_rad) const = 0;
+
+  /// The same from each of many directions near each other, `light[i]` from `d_W[i]`, to the same
+  /// bits; what none of them can see costs nothing.
+  virtual void FillRadiance(std::span<const Eigen::Vector3f> d_W, float footprint_rad,
+                            std::span<Eigen::Vector3f> light) const;
 };
 
 /// @throws ConfigError `where: …` if the image of a panorama or photo cannot be used.

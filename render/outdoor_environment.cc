@@ -14,11 +14,37 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// A point of the ground: place, m, and the footprint there across and along the line of sight.
+// A point of the ground: place, m, and the footprint there across and along the line of sight,
+// whose direction is `sight`.
 struct GroundPoint {
   Vector2f p;
   float across_m, along_m;
+  Vector2f sight;
   float Footprint() const { return std::sqrt(across_m * along_m); }
+  // How wide the footprint is in direction `n`.
+  float Width(const Vector2f& n) const {
+    const float along = along_m * n.dot(sight),
+                across = across_m * (n.x() * sight.y() - n.y() * sight.x());
+    return std::sqrt(along * along + across * across);
+  }
+};
+
+// A layer of any kind.
+class Thing {
+ public:
+  virtual ~Thing() = default;
+  virtual bool CanBeIn(const SceneBounds& bounds) const = 0;
+  virtual void Draw(const SceneRay& ray, Seen* seen) const = 0;
+};
+template <typename Layer>
+class Placed final : public Thing {
+ public:
+  explicit Placed(const Layer& layer) : layer_(layer) {}
+  bool CanBeIn(const SceneBounds& bounds) const override { return layer_.CanBeIn(bounds); }
+  void Draw(const SceneRay& ray, Seen* seen) const override { layer_.Draw(ray, seen); }
+
+ private:
+  Layer layer_;
 };
 
 using Ground = std::function<Vector3f(const GroundPoint&)>;
@@ -34,38 +60,62 @@ class OutdoorEnvironment final : public Environment {
   }
 
   template <typename Layer>
-  void Add(Layer layer) {
-    layers_.push_back([layer](const SceneRay& ray, Seen* seen) { layer.Draw(ray, seen); });
+  void Add(const Layer& layer) {
+    layers_.push_back(std::make_unique<Placed<Layer>>(layer));
   }
   Sky& sky() { return sky_; }
 
   Vector3f Radiance(const Vector3f& d_W, float footprint_rad) const override {
-    const float level = std::sqrt(d_W.x() * d_W.x() + d_W.y() * d_W.y());
-    const SceneRay ray{d_W, std::atan2(d_W.y(), d_W.x()), d_W.z() / std::max(level, 1e-4f),
-                       footprint_rad, eye_height_m_};
-    Seen seen;
-    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
-      (*layer)(ray, &seen);
-      if (seen.IsEnough()) return seen.colour();
+    Vector3f light;
+    FillRadiance({&d_W, 1}, footprint_rad, {&light, 1});
+    return light;
+  }
+
+  void FillRadiance(std::span<const Vector3f> d_W, float footprint_rad,
+                    std::span<Vector3f> light) const override {
+    std::vector<SceneRay> rays;
+    rays.reserve(d_W.size());
+    for (const Vector3f& d : d_W) {
+      const float level = std::sqrt(d.x() * d.x() + d.y() * d.y());
+      rays.push_back({d, std::atan2(d.y(), d.x()), d.z() / std::max(level, 1e-4f), footprint_rad,
+                      eye_height_m_});
     }
-    seen.Add(d_W.z() < -1e-4f ? GroundColour(ray) : sky_.Radiance(ray), 1);
-    return seen.colour();
+    const std::vector<const Thing*> in_view = ThingsIn(SceneBounds(rays));
+    for (std::size_t i = 0; i < rays.size(); ++i) light[i] = Look(rays[i], in_view);
   }
 
  private:
   Vector3f GroundColour(const SceneRay& ray) const {
     const float distance = eye_height_m_ / -ray.slope;
-    const GroundPoint point{
-        {distance * std::cos(ray.azimuth_rad), distance * std::sin(ray.azimuth_rad)},
-        distance * ray.footprint_rad,
-        distance * distance / eye_height_m_ * ray.footprint_rad};
+    const Vector2f sight = ray.d_W.head<2>() / std::max(ray.d_W.head<2>().norm(), 1e-4f);
+    const GroundPoint point{distance * sight, distance * ray.footprint_rad,
+                            distance * distance / eye_height_m_ * ray.footprint_rad, sight};
     return Hazed(ground_(point), distance);
+  }
+
+  // The nearest first.
+  std::vector<const Thing*> ThingsIn(const SceneBounds& bounds) const {
+    std::vector<const Thing*> things;
+    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
+      if ((*layer)->CanBeIn(bounds)) things.push_back(layer->get());
+    }
+    return things;
+  }
+
+  Vector3f Look(const SceneRay& ray, const std::vector<const Thing*>& things) const {
+    Seen seen;
+    for (const Thing* thing : things) {
+      thing->Draw(ray, &seen);
+      if (seen.IsEnough()) return seen.colour();
+    }
+    seen.Add(ray.d_W.z() < -1e-4f ? GroundColour(ray) : sky_.Radiance(ray), 1);
+    return seen.colour();
   }
 
   float eye_height_m_;
   Ground ground_;
   Sky sky_;
-  std::vector<std::function<void(const SceneRay&, Seen*)>> layers_;
+  std::vector<std::unique_ptr<const Thing>> layers_;
 };
 
 Vector3f Grass(const GroundPoint& g) {
@@ -81,23 +131,24 @@ Vector3f Grass(const GroundPoint& g) {
 Vector3f PlaygroundGround(const GroundPoint& g) {
   constexpr float kHalfStraight_m = 42.195f, kRadius_m = 36.5f, kLane_m = 1.22f;
   const float x = g.p.x(), y = g.p.y(), footprint = g.Footprint();
+  const float wide_x = g.Width({1, 0}), wide_y = g.Width({0, 1});
   const float bend_x = std::max(std::abs(x) - kHalfStraight_m, 0.0f);
-  const float outside = std::sqrt(bend_x * bend_x + y * y) - kRadius_m;
+  const float from_bend = std::sqrt(bend_x * bend_x + y * y), outside = from_bend - kRadius_m;
+  const float wide = g.Width(Vector2f(bend_x, y) / std::max(from_bend, 1.0f));
   Vector3f colour = Grass(g);
-  colour *= 0.85f + 0.3f * StripeCoverage(x, 10.0f, 0.5f, footprint);  // Mown in stripes.
-  const float track = BandCoverage(outside, 0, 8 * kLane_m, footprint);
+  colour *= 0.85f + 0.3f * StripeCoverage(x, 10.0f, 0.5f, wide_x);  // Mown in stripes.
+  const float track = BandCoverage(outside, 0, 8 * kLane_m, wide);
   const float grain = FractalNoise(x * 2, y * 2, 4, footprint * 2, 33);
   Blend(Vector3f(0.36f, 0.075f, 0.05f) * (0.75f + 0.5f * grain), track, &colour);
-  const float lines = StripeCoverage(outside + 0.025f, kLane_m, 0.05f / kLane_m, footprint) *
-                      BandCoverage(outside, -0.05f, 8 * kLane_m + 0.05f, footprint);
+  const float lines = StripeCoverage(outside + 0.025f, kLane_m, 0.05f / kLane_m, wide) *
+                      BandCoverage(outside, -0.05f, 8 * kLane_m + 0.05f, wide);
   Blend(Vector3f::Constant(0.75f), lines, &colour);
   // Football field of 100 × 64 m: touch and goal lines, halfway line, centre circle.
-  const auto line = [&](float v) { return BandCoverage(v, -0.06f, 0.06f, footprint); };
-  const float in_x = BandCoverage(x, -50, 50, footprint),
-              in_y = BandCoverage(y, -32, 32, footprint);
-  const float marks =
-      std::max(std::max(line(std::abs(y) - 32) * in_x, line(std::abs(x) - 50) * in_y),
-               std::max(line(x) * in_y, line(g.p.norm() - 9.15f)));
+  const auto line = [](float v, float width) { return BandCoverage(v, -0.06f, 0.06f, width); };
+  const float in_x = BandCoverage(x, -50, 50, wide_x), in_y = BandCoverage(y, -32, 32, wide_y);
+  const float marks = std::max(
+      std::max(line(std::abs(y) - 32, wide_y) * in_x, line(std::abs(x) - 50, wide_x) * in_y),
+      std::max(line(x, wide_x) * in_y, line(g.p.norm() - 9.15f, g.along_m)));
   Blend(Vector3f::Constant(0.75f), marks, &colour);
   return colour;
 }
@@ -115,18 +166,20 @@ Vector3f ForestGround(const GroundPoint& g) {
 // Streets every 60 m, both ways, among paving and lawns.
 Vector3f StreetGround(const GroundPoint& g) {
   const float fp = g.Footprint();
+  const Vector2f wide(g.Width({1, 0}), g.Width({0, 1}));
   const float grain = FractalNoise(g.p.x() * 2, g.p.y() * 2, 5, fp * 2, 51);
   const Vector3f asphalt = Vector3f(0.075f, 0.075f, 0.08f) * (0.6f + 0.8f * grain);
   Vector3f colour = Vector3f(0.27f, 0.26f, 0.245f) * (0.7f + 0.6f * grain);
-  Blend(Vector3f::Constant(0.16f), 0.6f * StripeCoverage(g.p.x(), 2, 0.04f, fp), &colour);
+  Blend(Vector3f::Constant(0.16f), 0.6f * StripeCoverage(g.p.x(), 2, 0.04f, wide.x()), &colour);
   Blend(Grass(g),
-        StripeCoverage(g.p.x() + 8, 60, 0.27f, fp) * StripeCoverage(g.p.y() + 8, 60, 0.27f, fp),
+        StripeCoverage(g.p.x() + 8, 60, 0.27f, wide.x()) *
+            StripeCoverage(g.p.y() + 8, 60, 0.27f, wide.y()),
         &colour);
   for (const int axis : {0, 1}) {
     const float across = g.p[axis] - 30, along = g.p[1 - axis];
-    Blend(asphalt, StripeCoverage(across + 5, 60, 10.f / 60, fp), &colour);
-    const float dashes =
-        StripeCoverage(across + 0.1f, 60, 0.2f / 60, fp) * StripeCoverage(along, 9, 0.45f, fp);
+    Blend(asphalt, StripeCoverage(across + 5, 60, 10.f / 60, wide[axis]), &colour);
+    const float dashes = StripeCoverage(across + 0.1f, 60, 0.2f / 60, wide[axis]) *
+                         StripeCoverage(along, 9, 0.45f, wide[1 - axis]);
     Blend(Vector3f::Constant(0.7f), dashes, &colour);
   }
   return colour;
@@ -138,23 +191,30 @@ Vector3f CourtGround(const GroundPoint& g) {
   const float row = WholePart(g.p.y() / 20 + 0.5f);
   const float y = g.p.y() - 20 * row;
   const float grain = FractalNoise(g.p.x() * 2, g.p.y() * 2, 5, fp * 2, 61);
-  const auto in = [&](float v, float low, float high) { return BandCoverage(v, low, high, fp); };
-  const auto line = [&](float v) { return BandCoverage(v, -0.05f, 0.05f, fp); };
+  const float wide_x = g.Width({1, 0}), wide_y = g.Width({0, 1});
+  const auto in_x = [&](float v, float low, float high) {
+    return BandCoverage(v, low, high, wide_x);
+  };
+  const auto in_y = [&](float half) { return BandCoverage(y, -half, half, wide_y); };
+  const auto line = [](float v, float width) { return BandCoverage(v, -0.05f, 0.05f, width); };
+  const auto circle = [&](float from_x, float radius) {  // About (from_x, 0) on either side.
+    const Vector2f r(std::abs(x) - from_x, y);
+    const Vector2f n = Vector2f(x < 0 ? -r.x() : r.x(), y) / std::max(r.norm(), 0.1f);
+    return line(r.norm() - radius, g.Width(n));
+  };
   Vector3f colour = Vector3f(0.05f, 0.17f, 0.09f);  // Green around, blue court, red key.
-  const float court = in(x, -14, 14) * in(y, -7.5f, 7.5f);
-  Blend(Vector3f(0.045f, 0.10f, 0.24f), court, &colour);
+  Blend(Vector3f(0.045f, 0.10f, 0.24f), in_x(x, -14, 14) * in_y(7.5f), &colour);
   const float to_end = 14 - std::abs(x);
-  Blend(Vector3f(0.36f, 0.07f, 0.05f), in(to_end, 0, 5.8f) * in(y, -2.45f, 2.45f), &colour);
+  Blend(Vector3f(0.36f, 0.07f, 0.05f), in_x(to_end, 0, 5.8f) * in_y(2.45f), &colour);
   colour *= 0.8f + 0.4f * grain;
-  const float from_hoop = std::sqrt((to_end - 1.575f) * (to_end - 1.575f) + y * y);
-  float marks = std::max(line(std::abs(x) - 14) * in(y, -7.5f, 7.5f),
-                         line(std::abs(y) - 7.5f) * in(x, -14, 14));
-  marks = std::max(marks,
-                   std::max(line(x) * in(y, -7.5f, 7.5f), line(std::sqrt(x * x + y * y) - 1.8f)));
-  marks = std::max(marks, line(from_hoop - 6.75f) * in(to_end, 2.99f, 14));
-  marks = std::max(marks, line(std::abs(y) - 6.6f) * in(to_end, 0, 2.99f));
-  marks = std::max(marks, std::max(line(to_end - 5.8f) * in(y, -2.45f, 2.45f),
-                                   line(std::abs(y) - 2.45f) * in(to_end, 0, 5.8f)));
+  const auto along_x = [&](float half_y, float low, float high) {
+    return line(std::abs(y) - half_y, wide_y) * in_x(to_end, low, high);
+  };
+  float marks = std::max(line(std::abs(x) - 14, wide_x) * in_y(7.5f), along_x(7.5f, 0, 14));
+  marks = std::max(marks, std::max(line(x, wide_x) * in_y(7.5f), circle(0, 1.8f)));
+  marks = std::max(marks, circle(12.425f, 6.75f) * in_x(to_end, 2.99f, 14));
+  marks = std::max(marks, std::max(along_x(6.6f, 0, 2.99f), along_x(2.45f, 0, 5.8f)));
+  marks = std::max(marks, line(to_end - 5.8f, wide_x) * in_y(2.45f));
   Blend(Vector3f::Constant(0.75f), marks, &colour);
   return colour;
 }

@@ -28,11 +28,14 @@ RingCell CellOf(const SceneRay& ray, float distance_m, float spacing_m) {
 
 int Wrapped(int i, int n) { return (i % n + n) % n; }
 
+// From -pi to pi.
+float Folded(float angle_rad) {
+  return angle_rad - 2 * kPi * WholePart(angle_rad / (2 * kPi) + 0.5f);
+}
+
 // Offset to the right of `azimuth_deg`, in metres at the distance.
 float SidewaysOf(const SceneRay& ray, float azimuth_deg, float distance_m) {
-  float angle = azimuth_deg * kPi / 180 - ray.azimuth_rad;
-  angle -= 2 * kPi * WholePart(angle / (2 * kPi) + 0.5f);
-  return angle * distance_m;
+  return Folded(azimuth_deg * kPi / 180 - ray.azimuth_rad) * distance_m;
 }
 
 // The leaves of a tree.
@@ -104,6 +107,31 @@ Vector3f Facade(int index, float x, float z, float footprint, std::uint32_t seed
 
 }  // namespace
 
+SceneBounds::SceneBounds(std::span<const SceneRay> rays)
+    : lowest_(rays.front()), highest_(rays.front()), middle_azimuth_rad_(rays.front().azimuth_rad) {
+  float left = 0, right = 0;
+  for (const SceneRay& ray : rays) {
+    if (ray.slope < lowest_.slope) lowest_ = ray;
+    if (ray.slope > highest_.slope) highest_ = ray;
+    const float turn = Folded(ray.azimuth_rad - middle_azimuth_rad_);
+    left = std::max(left, turn);
+    right = std::min(right, turn);
+  }
+  middle_azimuth_rad_ += (left + right) / 2;
+  half_width_rad_ = (left - right) / 2;
+}
+
+// Heights go up with slopes, also as rounded.
+bool SceneBounds::Reaches(float distance_m, float low_m, float high_m) const {
+  return highest_.HeightAt(distance_m) >= low_m && lowest_.HeightAt(distance_m) <= high_m;
+}
+
+bool SceneBounds::LooksTo(float azimuth_deg, float distance_m, float reach_m) const {
+  constexpr float kRounding_rad = 1e-4f;
+  const float turn = Folded(azimuth_deg * kPi / 180 - middle_azimuth_rad_);
+  return std::abs(turn) <= half_width_rad_ + reach_m / distance_m + kRounding_rad;
+}
+
 Vector3f HazeColour() { return {0.58f, 0.66f, 0.76f}; }
 
 Vector3f Hazed(const Vector3f& colour, float distance_m) {
@@ -128,8 +156,14 @@ Vector3f Sky::Radiance(const SceneRay& ray) const {
   }
   const float to_sun = std::max(ray.d_W.dot(sun_direction_W), 0.0f);
   colour += Vector3f(1, 0.9f, 0.7f) * (0.25f * std::pow(to_sun, 60.0f));
-  if (to_sun > 0.99996f) colour = Vector3f::Constant(4);  // 0.5° across.
+  // 0.5° across.
+  const float sun = SmoothStep(0, 1, 0.5f + (to_sun - 0.99996f) / (0.009f * ray.footprint_rad));
+  Blend(Vector3f::Constant(4), sun, &colour);
   return colour;
+}
+
+bool TreeRow::CanBeIn(const SceneBounds& bounds) const {
+  return bounds.Reaches(distance_m, -0.5f, max_height_m * 1.3f);
 }
 
 void TreeRow::Draw(const SceneRay& ray, Seen* seen) const {
@@ -144,6 +178,10 @@ void TreeRow::Draw(const SceneRay& ray, Seen* seen) const {
     DrawTree(*this, index, x, z, footprint, seen);
     if (seen->IsEnough()) return;
   }
+}
+
+bool BuildingRow::CanBeIn(const SceneBounds& bounds) const {
+  return bounds.Reaches(distance_m, -1, max_height_m + 3);
 }
 
 void BuildingRow::Draw(const SceneRay& ray, Seen* seen) const {
@@ -168,6 +206,10 @@ void BuildingRow::Draw(const SceneRay& ray, Seen* seen) const {
   seen->Add(Hazed(wall, distance_m), inside);
 }
 
+bool Fence::CanBeIn(const SceneBounds& bounds) const {
+  return bounds.Reaches(distance_m, -0.2f, height_m + 0.2f);
+}
+
 void Fence::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -0.2f || z > height_m + 0.2f) return;
@@ -187,12 +229,16 @@ void Fence::Draw(const SceneRay& ray, Seen* seen) const {
   seen->Add(Hazed(wire_colour, distance_m), within * wires);
 }
 
+bool Mast::CanBeIn(const SceneBounds& bounds) const {
+  return bounds.Reaches(distance_m, -0.5f, height_m + head_height_m + 0.5f) &&
+         bounds.LooksTo(azimuth_deg, distance_m, Reach_m());
+}
+
 void Mast::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -0.5f || z > height_m + head_height_m + 0.5f) return;
   const float x = SidewaysOf(ray, azimuth_deg, distance_m);
-  const float reach_m = std::max(head_width_m, 2 * radius_m);
-  if (std::abs(x) > reach_m) return;
+  if (std::abs(x) > Reach_m()) return;
   const float footprint = ray.footprint_rad * distance_m;
   const float pole =
       BandCoverage(x, -radius_m, radius_m, footprint) * BandCoverage(z, 0, height_m, footprint);
@@ -202,6 +248,10 @@ void Mast::Draw(const SceneRay& ray, Seen* seen) const {
                       StripeCoverage(z - height_m, head_height_m / 2, 0.7f, footprint);
   seen->Add(Hazed(colour * 0.6f + lamps * Vector3f::Constant(0.5f), distance_m), head);
   seen->Add(Hazed(colour, distance_m), pole);
+}
+
+bool Hoop::CanBeIn(const SceneBounds& bounds) const {
+  return bounds.Reaches(distance_m, -0.2f, 4.3f) && bounds.LooksTo(azimuth_deg, distance_m, 1.5f);
 }
 
 void Hoop::Draw(const SceneRay& ray, Seen* seen) const {

@@ -1,7 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -20,6 +21,23 @@ struct SceneRay {
   /// Height above the ground at horizontal distance `distance_m`.
   float HeightAt(float distance_m) const { return eye_height_m + distance_m * slope; }
 };
+
+/// What many rays from one eye may meet.
+class SceneBounds {
+ public:
+  explicit SceneBounds(std::span<const SceneRay> rays);
+
+  /// Whether a ray can be between heights `low_m` and `high_m` at `distance_m`.
+  bool Reaches(float distance_m, float low_m, float high_m) const;
+  /// Whether a ray can be within `reach_m` of azimuth `azimuth_deg`, across, at `distance_m`.
+  bool LooksTo(float azimuth_deg, float distance_m, float reach_m) const;
+
+ private:
+  SceneRay lowest_, highest_;
+  float middle_azimuth_rad_, half_width_rad_;
+};
+
+// Each layer says by `CanBeIn` whether `Draw` can add anything for any ray within bounds.
 
 /// Colour of the air far away, towards which distance fades everything.
 Eigen::Vector3f HazeColour();
@@ -61,6 +79,7 @@ struct TreeRow {
   float trunk_share;  ///< Height of the lowest leaves over the tree's height.
   Eigen::Vector3f leaf_colour;
   std::uint32_t seed;
+  bool CanBeIn(const SceneBounds& bounds) const;
   void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
@@ -69,6 +88,7 @@ struct BuildingRow {
   float distance_m, plot_m, min_height_m, max_height_m;
   float gap_share;  ///< Share of plots that are empty.
   std::uint32_t seed;
+  bool CanBeIn(const SceneBounds& bounds) const;
   void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
@@ -76,6 +96,7 @@ struct BuildingRow {
 struct Fence {
   float distance_m, height_m, post_spacing_m;
   Eigen::Vector3f wire_colour;
+  bool CanBeIn(const SceneBounds& bounds) const;
   void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
@@ -84,12 +105,15 @@ struct Mast {
   float azimuth_deg, distance_m, height_m, radius_m;
   float head_width_m, head_height_m;  ///< A box on top.
   Eigen::Vector3f colour;
+  float Reach_m() const { return std::max(head_width_m, 2 * radius_m); }
+  bool CanBeIn(const SceneBounds& bounds) const;
   void Draw(const SceneRay& ray, Seen* seen) const;
 };
 
 /// A basketball hoop that faces the eye: backboard, square, ring, net and post.
 struct Hoop {
   float azimuth_deg, distance_m;
+  bool CanBeIn(const SceneBounds& bounds) const;
   void Draw(const SceneRay& ray, Seen* seen) const;
 };
 

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/parallel_for.h"
 
 namespace windhover {
 namespace {
 
-constexpr int kTile = 128;
-constexpr std::size_t kMaxTiles = 2048;  // 256 MiB.
+constexpr int kTile = 64;
+constexpr int kWidthStep = 256;
 constexpr double kTexelsPerPixel = 0.85;
 
 int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
@@ -20,6 +21,14 @@ Eigen::Vector3d ToChart(const Eigen::Vector3d& d, Chart chart) {
 }
 Eigen::Vector3d FromChart(const Eigen::Vector3d& d, Chart chart) {
   return chart == Chart::kUpright ? d : Eigen::Vector3d(d.y(), d.z(), d.x());
+}
+
+// From and to where whole tiles hold [min, max]. A tile more on either side stays if it was there:
+// a view that trembles about a tile's edge does not fill its window over and over.
+std::pair<int, int> WholeTiles(int min, int max, bool had_any, int old_min, int old_size) {
+  const int from = FloorDiv(min, kTile) * kTile, to = (FloorDiv(max, kTile) + 1) * kTile;
+  if (!had_any) return {from, to};
+  return {std::clamp(old_min, from - kTile, from), std::clamp(old_min + old_size, to, to + kTile)};
 }
 
 std::uint16_t Encode(float light) {
@@ -34,9 +43,8 @@ Chart ChartFor(const Eigen::Vector3d& d_W) {
 
 RadianceMap::RadianceMap(const Environment& environment, double focal_px)
     : environment_(environment),
-      width_(kTile * std::max(2, static_cast<int>(std::ceil(2 * EIGEN_PI * focal_px *
-                                                            kTexelsPerPixel / kTile / 2)) *
-                                     2)) {}
+      width_(kWidthStep * std::max(1, static_cast<int>(std::ceil(2 * EIGEN_PI * focal_px *
+                                                                 kTexelsPerPixel / kWidthStep)))) {}
 
 Eigen::Vector2d RadianceMap::PlaceOf(const Eigen::Vector3d& d_W, Chart chart) const {
   const Eigen::Vector3d d = ToChart(d_W, chart);
@@ -51,29 +59,32 @@ Eigen::Vector3d RadianceMap::DirectionAt(double u, double v, Chart chart) const 
       chart);
 }
 
-Texel RadianceMap::ComputeTexel(int u, int v, Chart chart) const {
-  // Four samples a texel smooth the edges that a scene does not smooth itself.
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  const auto footprint_rad = static_cast<float>(0.7 / TexelsPerRad());
-  for (const double dv : {-0.25, 0.25}) {
-    for (const double du : {-0.25, 0.25}) {
-      const Eigen::Vector3f d_W = DirectionAt(u + du, v + dv, chart).cast<float>();
-      sum += environment_.Radiance(d_W, footprint_rad).cwiseMin(1);
-    }
+// One sample a texel: environments average over their footprint themselves.
+std::vector<Texel> RadianceMap::ComputeTile(const TileKey& key) const {
+  std::array<double, kTile> sin_azimuth, cos_azimuth;
+  for (int u = 0; u < kTile; ++u) {
+    const double azimuth = -(key.column * kTile + u) / TexelsPerRad();
+    sin_azimuth[static_cast<std::size_t>(u)] = std::sin(azimuth);
+    cos_azimuth[static_cast<std::size_t>(u)] = std::cos(azimuth);
   }
-  sum /= 4;
-  return {Encode(sum.x()), Encode(sum.y()), Encode(sum.z()), 0};
-}
-
-RadianceMap::Tile RadianceMap::ComputeTile(const TileKey& key) const {
-  Tile tile;
-  tile.reserve(kTile * kTile);
+  std::vector<Eigen::Vector3f> directions, light(kTile * kTile);
+  directions.reserve(kTile * kTile);
   for (int v = 0; v < kTile; ++v) {
-    for (int u = 0; u < kTile; ++u) {
-      tile.push_back(ComputeTexel(key.column * kTile + u, key.row * kTile + v, key.chart));
+    const double polar = (key.row * kTile + v) / TexelsPerRad();
+    const double across = std::sin(polar), along = std::cos(polar);
+    for (std::size_t u = 0; u < kTile; ++u) {
+      directions.push_back(
+          FromChart({across * cos_azimuth[u], across * sin_azimuth[u], along}, key.chart)
+              .cast<float>());
     }
   }
-  return tile;
+  environment_.FillRadiance(directions, FootprintRad(), light);
+  std::vector<Texel> texels;
+  texels.reserve(light.size());
+  for (const Eigen::Vector3f& rgb : light) {
+    texels.push_back({Encode(rgb.x()), Encode(rgb.y()), Encode(rgb.z()), 0});
+  }
+  return texels;
 }
 
 void RadianceMap::ComputeTiles(const std::vector<TileKey>& keys, int threads) {
@@ -81,22 +92,37 @@ void RadianceMap::ComputeTiles(const std::vector<TileKey>& keys, int threads) {
   std::vector<TileKey> missing_keys;
   for (const TileKey& key : keys) {
     const auto [entry, is_new] = tiles_.try_emplace(key);
+    entry->second.used = covers_;
     if (!is_new) continue;
     missing.push_back(&entry->second);
     missing_keys.push_back(key);
   }
   ParallelFor(static_cast<int>(missing.size()), threads, [&](int i, int) {
-    *missing[static_cast<std::size_t>(i)] = ComputeTile(missing_keys[static_cast<std::size_t>(i)]);
+    const auto k = static_cast<std::size_t>(i);
+    missing[k]->texels = ComputeTile(missing_keys[k]);
   });
 }
 
-void RadianceMap::CopyTile(const TileKey& key, int unwrapped_column, MapWindow* window) const {
-  const Tile& tile = tiles_.at(key);
-  const int u = unwrapped_column * kTile - window->u0, v = key.row * kTile - window->v0;
-  for (int row = 0; row < kTile; ++row) {
-    std::copy_n(tile.data() + row * kTile, kTile,
-                window->texels.data() + static_cast<std::ptrdiff_t>(v + row) * window->width + u);
+void RadianceMap::ForgetOldTiles() {
+  if (tiles_.size() <= kMaxTiles) return;
+  std::vector<std::pair<std::int64_t, TileKey>> by_age;
+  for (const auto& [key, tile] : tiles_) by_age.emplace_back(tile.used, key);
+  std::sort(by_age.begin(), by_age.end());
+  by_age.resize(tiles_.size() - kMaxTiles);
+  for (const auto& [used, key] : by_age) tiles_.erase(key);
+}
+
+std::vector<RadianceMap::TileKey> RadianceMap::TilesOf(const MapWindow& window) const {
+  const int columns = width_ / kTile;
+  std::vector<TileKey> keys;
+  for (int v = window.v0; v < window.v0 + window.height; v += kTile) {
+    for (int u = window.u0; u < window.u0 + window.width; u += kTile) {
+      const int column = FloorDiv(u, kTile);
+      keys.push_back({window.chart, column - FloorDiv(column + columns / 2, columns) * columns,
+                      FloorDiv(v, kTile)});
+    }
   }
+  return keys;
 }
 
 void RadianceMap::Cover(Chart chart, int u_min, int u_max, int v_min, int v_max, int threads,
@@ -106,30 +132,30 @@ void RadianceMap::Cover(Chart chart, int u_min, int u_max, int v_min, int v_max,
       v_max < window->v0 + window->height) {
     return;
   }
-  constexpr int kMargin = kTile / 4;
-  const int column0 = FloorDiv(u_min - kMargin, kTile), column1 = FloorDiv(u_max + kMargin, kTile);
-  const int row0 = FloorDiv(v_min - kMargin, kTile), row1 = FloorDiv(v_max + kMargin, kTile);
-  const int columns = width_ / kTile;
-  if (tiles_.size() > kMaxTiles) tiles_.clear();
-  std::vector<TileKey> keys;
-  for (int row = row0; row <= row1; ++row) {
-    for (int column = column0; column <= column1; ++column) {
-      keys.push_back({chart, column - FloorDiv(column + columns / 2, columns) * columns, row});
-    }
-  }
+  ++covers_;
+  const bool is_near = !window->texels.empty() && window->chart == chart;
+  const auto [u0, u1] = WholeTiles(u_min, u_max, is_near, window->u0, window->width);
+  const auto [v0, v1] = WholeTiles(v_min, v_max, is_near, window->v0, window->height);
+  window->chart = chart;
+  window->u0 = u0;
+  window->v0 = v0;
+  window->width = u1 - u0;
+  window->height = v1 - v0;
+  const std::vector<TileKey> keys = TilesOf(*window);
   ComputeTiles(keys, threads);
-  *window = {chart,
-             column0 * kTile,
-             row0 * kTile,
-             (column1 - column0 + 1) * kTile,
-             (row1 - row0 + 1) * kTile,
-             {}};
   window->texels.resize(static_cast<std::size_t>(window->width) *
                         static_cast<std::size_t>(window->height));
   auto key = keys.begin();
-  for (int row = row0; row <= row1; ++row) {
-    for (int column = column0; column <= column1; ++column) CopyTile(*key++, column, window);
+  for (int v = 0; v < window->height; v += kTile) {
+    for (int u = 0; u < window->width; u += kTile) {
+      const Texel* from = tiles_.at(*key++).texels.data();
+      Texel* to = window->texels.data() + static_cast<std::ptrdiff_t>(v) * window->width + u;
+      for (int row = 0; row < kTile; ++row, from += kTile, to += window->width) {
+        std::copy_n(from, kTile, to);
+      }
+    }
   }
+  ForgetOldTiles();
 }
 
 }  // namespace windhover

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -39,12 +38,17 @@ struct MapWindow {
 /// same map.
 class RadianceMap {
  public:
+  static constexpr std::size_t kMaxTiles = 1536;  ///< 48 MiB.
+
   /// `focal_px`: of the lens, its pixels per radian. The map has up to 0.9 texels a pixel, so
   /// that linear interpolation between texels does not alias.
   RadianceMap(const Environment& environment, double focal_px);
 
   int Width() const { return width_; }
+  std::size_t TileCount() const { return tiles_.size(); }
   double TexelsPerRad() const { return width_ / (2 * EIGEN_PI); }
+  /// What one texel averages over: a little more than its own width, so that edges are smooth.
+  float FootprintRad() const { return static_cast<float>(1.1 / TexelsPerRad()); }
 
   /// Where the map shows direction `d_W`: u in [-Width/2, Width/2], v from 0 (the pole) to
   /// Width/2; whole numbers are texel centres.
@@ -53,7 +57,8 @@ class RadianceMap {
   Eigen::Vector3d DirectionAt(double u, double v, Chart chart) const;
 
   /// Makes `*window` hold all texels of [u_min, u_max] × [v_min, v_max], and some around; does
-  /// nothing if it already does. Computes missing tiles on `threads` threads.
+  /// nothing if it already does. Computes missing tiles on `threads` threads, and forgets those
+  /// that were not asked for the longest beyond kMaxTiles.
   void Cover(Chart chart, int u_min, int u_max, int v_min, int v_max, int threads,
              MapWindow* window);
 
@@ -63,15 +68,20 @@ class RadianceMap {
     int column, row;
     auto operator<=>(const TileKey&) const = default;
   };
-  using Tile = std::vector<Texel>;
+  struct Tile {
+    std::vector<Texel> texels;
+    std::int64_t used = 0;  ///< The last Cover that wanted it.
+  };
 
+  /// The tiles of `window`, which begins and ends with whole ones, row by row.
+  std::vector<TileKey> TilesOf(const MapWindow& window) const;
   void ComputeTiles(const std::vector<TileKey>& keys, int threads);
-  Tile ComputeTile(const TileKey& key) const;
-  Texel ComputeTexel(int u, int v, Chart chart) const;
-  void CopyTile(const TileKey& key, int unwrapped_column, MapWindow* window) const;
+  std::vector<Texel> ComputeTile(const TileKey& key) const;
+  void ForgetOldTiles();
 
   const Environment& environment_;
   int width_;
+  std::int64_t covers_ = 0;
   std::map<TileKey, Tile> tiles_;
 };
 

@@ -145,5 +145,38 @@ TEST(BackgroundWarp, IsTheSameFromAnyWindow) {
   EXPECT_EQ(Draw(world, R_WC(10, 5)).values, Draw(world, R_WC(10, 5), 700).values);
 }
 
+// Whatever was looked at before, by however many threads, with whatever beside it: a texel is a
+// function of its place.
+TEST(RadianceMap, GivesEachPlaceOneTexel) {
+  const SmoothWorld world;
+  RadianceMap one(world, kFocal_px), other(world, kFocal_px);
+  MapWindow small, large;
+  one.Cover(Chart::kUpright, 5030, 5100, 2600, 2690, 1, &small);
+  other.Cover(Chart::kUpright, -200, 100, 2500, 2600, 3, &large);
+  other.Cover(Chart::kLying, 4990, 5170, 2500, 2700, 3, &large);
+  other.Cover(Chart::kUpright, 4990 - other.Width(), 5170 - other.Width(), 2500, 2700, 3, &large);
+  for (int v = 2600; v <= 2690; ++v) {
+    for (int u = 5030; u <= 5100; ++u) {
+      const Texel& texel = small.Row(v - small.v0)[u - small.u0];
+      ASSERT_EQ(texel, large.Row(v - large.v0)[u - other.Width() - large.u0]) << u << ' ' << v;
+      const Eigen::Vector3f d_W = one.DirectionAt(u, v, Chart::kUpright).cast<float>();
+      ASSERT_NEAR(texel[0], world.Radiance(d_W, 0).x() * 65535, 1);  // Rounded.
+    }
+  }
+}
+
+TEST(RadianceMap, KeepsItsMemoryAndItsTexels) {
+  const SmoothWorld world;
+  RadianceMap map(world, kFocal_px);
+  MapWindow first, window, again;
+  map.Cover(Chart::kUpright, 0, 200, 2000, 2200, 2, &first);
+  for (int u = -4000; u < 4000; u += 100) {  // 3,250 tiles of 64 × 64.
+    map.Cover(Chart::kUpright, u, u + 600, 1000, 2600, 2, &window);
+    ASSERT_LE(map.TileCount(), RadianceMap::kMaxTiles);
+  }
+  map.Cover(Chart::kUpright, 0, 200, 2000, 2200, 2, &again);
+  EXPECT_EQ(again.texels, first.texels);
+}
+
 }  // namespace
 }  // namespace windhover

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -62,6 +63,26 @@ TEST_P(Procedural, LightsFromAbove) {
   const SkyLight light(config, *environment);
   EXPECT_GT(light.AmbientRadiance({0, 0, 1}).mean(), light.AmbientRadiance({0, 0, -1}).mean());
   EXPECT_GT(light.SunRadiance().mean(), 0.05f);
+}
+
+// Directions of one tile at a time leave out what the tile cannot show: that changes no bit.
+TEST_P(Procedural, IsTheSameTogetherAsAlone) {
+  const auto environment = MakeEnvironment(OfType(GetParam()));
+  constexpr double kStep_deg = 0.17;
+  for (int elevation = -40; elevation <= 60; elevation += 4) {
+    for (int azimuth = -180; azimuth < 180; azimuth += 7) {
+      std::vector<Eigen::Vector3f> d_W;
+      for (int i = 0; i < 64; ++i) {
+        d_W.push_back(
+            DirectionFromAngles(azimuth + i % 8 * kStep_deg, elevation + i / 8 * kStep_deg));
+      }
+      std::vector<Eigen::Vector3f> light(d_W.size());
+      environment->FillRadiance(d_W, kFootprint_rad, light);
+      for (std::size_t i = 0; i < d_W.size(); ++i) {
+        ASSERT_EQ(light[i], environment->Radiance(d_W[i], kFootprint_rad)) << azimuth << elevation;
+      }
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Procedural,
