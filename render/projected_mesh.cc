@@ -45,6 +45,15 @@ void ImageBounds::Extend(const ProjectedMesh& mesh) {
   }
 }
 
+void ImageBounds::Extend(const ImageBounds& other) {
+  x_min = std::min(x_min, other.x_min);
+  x_max = std::max(x_max, other.x_max);
+  y_min = std::min(y_min, other.y_min);
+  y_max = std::max(y_max, other.y_max);
+  inverse_near = std::max(inverse_near, other.inverse_near);
+  inverse_far = std::min(inverse_far, other.inverse_far);
+}
+
 void ImageBounds::Grow(double margin_px) {
   x_min -= margin_px;
   y_min -= margin_px;
@@ -54,16 +63,16 @@ void ImageBounds::Grow(double margin_px) {
 
 double ImageBounds::Extent_px() const { return std::max(x_max - x_min, y_max - y_min); }
 
-PixelRect ImageBounds::Within(int width_px, int height_px) const {
+PixelRect ImageBounds::Within(int width_px, int height_px, int margin_px) const {
   if (x_min > x_max) return {};
-  const auto first = [](double low) {
-    return static_cast<int>(std::floor(std::max(low, -1.0) + 0.5));
+  // From the first to the last pixel, as far as `size` pixels and the margins reach.
+  const auto range = [margin_px](double low, double high, int size) {
+    const double first = -margin_px, last = size + margin_px - 1;
+    return std::array{static_cast<int>(std::floor(std::clamp(low, first, last + 1) + 0.5)),
+                      static_cast<int>(std::floor(std::clamp(high, first - 1, last) + 0.5))};
   };
-  const auto last = [](double high, int size) {
-    return static_cast<int>(std::floor(std::min(high, size + 1.0) + 0.5));
-  };
-  const int x0 = std::max(first(x_min), 0), x1 = std::min(last(x_max, width_px), width_px - 1);
-  const int y0 = std::max(first(y_min), 0), y1 = std::min(last(y_max, height_px), height_px - 1);
+  const auto [x0, x1] = range(x_min, x_max, width_px);
+  const auto [y0, y1] = range(y_min, y_max, height_px);
   return {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
 }
 

@@ -36,10 +36,11 @@ struct ImageBounds {
   double inverse_near = 0, inverse_far = 1e9;
 
   void Extend(const ProjectedMesh& mesh);
+  void Extend(const ImageBounds& other);
   void Grow(double margin_px);
   double Extent_px() const;
-  /// The pixels of an image that they touch.
-  PixelRect Within(int width_px, int height_px) const;
+  /// The pixels that they touch of an image, and of as many as `margin_px` around it.
+  PixelRect Within(int width_px, int height_px, int margin_px) const;
 };
 
 }  // namespace windhover

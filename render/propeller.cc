@@ -42,11 +42,11 @@ int RotorAt(float sign_x, float sign_y) {
   return sign_y > 0 ? 3 : 2;
 }
 
-RotorTurning RotorTurning::Part(std::size_t part, std::size_t n_parts) const {
-  const double n = static_cast<double>(n_parts);
-  const double offset_s = duration_s * ((static_cast<double>(part) + 0.5) / n - 0.5);
+RotorTurning RotorTurning::Part(std::size_t first, std::size_t count, std::size_t n_parts) const {
+  const double n = static_cast<double>(n_parts), length = static_cast<double>(count);
+  const double offset_s = duration_s * ((static_cast<double>(first) + length / 2) / n - 0.5);
   RotorTurning turning = *this;
-  turning.duration_s = duration_s / n;
+  turning.duration_s = duration_s * (length / n);
   for (std::size_t i = 0; i < rate_hz.size(); ++i) turning.phase_rev[i] += offset_s * rate_hz[i];
   return turning;
 }

@@ -31,8 +31,8 @@ struct RotorTurning {
   std::array<double, 4> rate_hz{};
   double duration_s = 0;
 
-  /// Of part `part` of `n_parts` equal ones.
-  RotorTurning Part(std::size_t part, std::size_t n_parts) const;
+  /// During `count` of `n_parts` equal parts, from part `first` on.
+  RotorTurning Part(std::size_t first, std::size_t count, std::size_t n_parts) const;
 };
 
 /// The share of a time in which something `width_rad` wide, found twice a turn, covers a place

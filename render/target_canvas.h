@@ -3,49 +3,63 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "render/gl_context.h"
+#include "render/prepared_model.h"
+#include "render/projected_mesh.h"
+#include "render/triangle_kernel.h"
 
 namespace windhover {
 
-/// A vertex on the canvas: x, y, z in -1..1, y down; light times coverage, and coverage.
-struct CanvasVertex {
-  float x, y, z;
-  float red, green, blue, alpha;
+/// A target in one pose, as it is to be drawn.
+struct TargetDrawing {
+  const ShadedTarget* target = nullptr;
+  ProjectedMesh body, discs;
+  std::vector<float> disc_alphas;  ///< One a vertex.
+  ImageBounds bounds;              ///< Of body and discs.
 };
 
-/// A framebuffer of 16-bit linear RGBA with depth, into which triangles are drawn flat.
+/// Turns a target's triangles into samples: light and coverage at points of the image.
+///
+/// One per thread that draws.
 class TargetCanvas {
  public:
+  /// Linear light times coverage, and coverage; 65535 is white, and opaque.
   using Pixel = std::array<std::uint16_t, 4>;
-  enum class Surface { kClosed, kOpen, kTranslucent };
 
-  explicit TargetCanvas(std::unique_ptr<GlContext> context);
-  ~TargetCanvas();
-  TargetCanvas(const TargetCanvas&) = delete;
+  virtual ~TargetCanvas() = default;
 
-  /// Makes the canvas ready on this thread, empty, `width` × `height`; at most kMaxSize.
-  void Begin(int width, int height);
-  /// Draws triangles: closed and translucent surfaces without their back faces, translucent ones
-  /// over what is there and without hiding what comes after.
-  void Draw(Surface surface, const std::vector<CanvasVertex>& vertices,
-            const std::vector<std::array<std::uint32_t, 3>>& triangles);
-  /// Copies the canvas, rows from the top. @throws std::runtime_error after an OpenGL error.
-  void Read(std::vector<Pixel>* pixels);
+  /// Columns and rows of samples that one Draw may show.
+  virtual std::array<int, 2> MaxSize() const = 0;
 
-  static constexpr int kMaxSize = 2048;
+  /// Makes ready what the next calls of Draw show, which refer to `drawing`.
+  virtual void Load(const TargetDrawing& drawing, int samples_per_px) = 0;
 
- private:
-  void MakeProgram();
-  void MakeBuffers();
-  GLuint Compile(GLenum type, const char* source);
+  /// Draws the pixels `shown`: the body, of which closed surfaces without their back faces, then
+  /// the propellers' discs, blended in their order where nothing of the body is before them.
+  /// @throws std::runtime_error after an OpenGL error.
+  virtual void Draw(const PixelRect& shown) = 0;
 
-  std::unique_ptr<GlContext> context_;
-  const GlFunctions& gl_;
-  GLuint program_ = 0, vertex_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0;
-  GLuint framebuffer_ = 0, colour_ = 0, depth_ = 0;
-  int width_ = 0, height_ = 0;
+  /// What was drawn, rows from the top; valid until the next call.
+  virtual std::span<const Pixel> Samples() = 0;
+
+  /// Coverage of what was drawn, rows from the top; 65535 is opaque.
+  virtual void ReadCoverage(std::vector<std::uint16_t>* coverage);
+
+  /// The sum over the samples of each pixel, rows from the top.
+  virtual void SumPixels(std::vector<std::array<std::uint32_t, 4>>* sums);
+
+ protected:
+  PixelRect shown_;
+  int samples_per_px_ = 1;
 };
+
+/// Draws with OpenGL, into a framebuffer of 16-bit linear RGBA with depth.
+std::unique_ptr<TargetCanvas> MakeGlCanvas(std::unique_ptr<GlContext> context);
+
+/// Draws with our own rasteriser (render/triangle_kernel.h); the same bits with each `isa`.
+std::unique_ptr<TargetCanvas> MakeNativeCanvas(RasterIsa isa = BestRasterIsa());
 
 }  // namespace windhover

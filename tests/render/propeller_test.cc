@@ -30,7 +30,7 @@ Vector3d Polar(double r_m, double angle_rad) {
 
 // Of a turn in 10 ms about 0.5, the first half is at 0.25, and lasts 5 ms.
 TEST(Propeller, TurnsOnFromPartToPart) {
-  const RotorTurning first = Turning(0.5, 1).Part(0, 2), last = Turning(0.5, 1).Part(1, 2);
+  const RotorTurning first = Turning(0.5, 1).Part(0, 1, 2), last = Turning(0.5, 1).Part(1, 1, 2);
   EXPECT_NEAR(first.phase_rev[3], 0.25, 1e-12);
   EXPECT_NEAR(last.phase_rev[3], 0.75, 1e-12);
   EXPECT_NEAR(first.duration_s, 0.005, 1e-15);

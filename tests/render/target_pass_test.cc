@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -59,14 +60,18 @@ Centroid CentroidOf(const TargetLayer& layer) {
   return c;
 }
 
+class TargetPassTest : public testing::TestWithParam<Rasteriser> {};
+INSTANTIATE_TEST_SUITE_P(Rasterisers, TargetPassTest,
+                         testing::Values(Rasteriser::kOsMesa, Rasteriser::kNative));
+
 // The outline of a sphere is a cone; in a pinhole image it is an ellipse. With the centre at
 // (X, Y, Z) and t² = Z² - r²: centre f (X, Y) Z / t², area π f² r² Z |p|-ish; see below.
-TEST(TargetPass, SphereIsWhereItsConeIs) {
+TEST_P(TargetPassTest, SphereIsWhereItsConeIs) {
   constexpr double kRadius_m = 0.3;
   AircraftModel ball;
   AddEllipsoid({0, 0, 0}, Eigen::Vector3f::Constant(kRadius_m), 128, {1, 1, 1}, &ball.body);
   const PreparedModel model(ball, kRadius_m);
-  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
+  const auto pass = MakeTargetPass(GetParam(), kMaxBlur_px);
   double squares = 0, worst = 0;
   int n = 0;
   for (const double depth_m : {7.0, 12.0, 17.0, 25.0, 41.0, 80.0}) {
@@ -75,7 +80,7 @@ TEST(TargetPass, SphereIsWhereItsConeIs) {
                                 depth_m);
       const std::array poses = {At(p_C, RotationFromVector({0.3 * i, 0.1, 0.2}))};
       const TargetLayer layer =
-          pass.Draw(White(model, depth_m), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
+          pass->Draw(White(model, depth_m), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
       const Centroid drawn = CentroidOf(layer);
       // The cone d·p = |p| cos, projected: an ellipse about f (X, Y) Z / (Z² - r²).
       const double r2 = kRadius_m * kRadius_m, t2 = p_C.z() * p_C.z() - r2;
@@ -95,18 +100,18 @@ TEST(TargetPass, SphereIsWhereItsConeIs) {
   EXPECT_LT(worst, 0.03);
 }
 
-class Silhouette : public testing::TestWithParam<double> {};
+class Silhouette : public testing::TestWithParam<std::tuple<Rasteriser, double>> {};
 
 // V3.5: the box of the drawn samples is that of the projected vertices, to the sample spacing:
 // half a sample is lost where a corner passes between sample centres. Propellers, which fade out
 // towards the rims of their discs, only stay within theirs.
 TEST_P(Silhouette, IsWhereVerticesAreProjected) {
-  const double depth_m = GetParam();
+  const auto [rasteriser, depth_m] = GetParam();
   const AircraftModel whole = MakeM200(true);
   AircraftModel body = whole;
   body.rotor_discs = {};
   body.propellers.clear();
-  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
+  const auto pass = MakeTargetPass(rasteriser, kMaxBlur_px);
   for (const AircraftModel* m200 : {&whole, &std::as_const(body)}) {
     std::vector<Eigen::Vector3f> points = m200->body.positions;
     const auto& rims = m200->rotor_discs.positions;
@@ -122,7 +127,7 @@ TEST_P(Silhouette, IsWhereVerticesAreProjected) {
       const PinholeRadtan camera = Camera(-0.25, 0.4);
       const std::array poses = {X_CB};
       const std::array layers = {
-          pass.Draw(White(model, depth_m), camera, kWidth_px, kHeight_px, poses, kHalfTurn)};
+          pass->Draw(White(model, depth_m), camera, kWidth_px, kHeight_px, poses, kHalfTurn)};
       target_view_t view = ViewFromGeometry(outline, X_CB, camera, kWidth_px, kHeight_px);
       const image_box_t full = view.visible;
       SetVisibility(layers, 0, &view);
@@ -138,15 +143,17 @@ TEST_P(Silhouette, IsWhereVerticesAreProjected) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Distances, Silhouette, testing::Values(5.0, 10.0, 20.0, 40.0));
+INSTANTIATE_TEST_SUITE_P(Distances, Silhouette,
+                         testing::Combine(testing::Values(Rasteriser::kOsMesa, Rasteriser::kNative),
+                                          testing::Values(5.0, 10.0, 20.0, 40.0)));
 
 // V7.3: propeller tip to propeller tip, seen from ahead, spans f W / Z.
-TEST(TargetPass, WidthIsFocalLengthTimesWidthOverDepth) {
+TEST_P(TargetPassTest, WidthIsFocalLengthTimesWidthOverDepth) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
+  const auto pass = MakeTargetPass(GetParam(), kMaxBlur_px);
   const std::array poses = {At({0, 0, 20}, R_BC_Forward().transpose())};
   const std::array layers = {
-      pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn)};
+      pass->Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn)};
   target_view_t view{};
   SetVisibility(layers, 0, &view);
   EXPECT_NEAR(view.visible.w_px, 3215 * 0.880 / 20, 2.5);  // Discs are at ±0.23 m of depth: 1.6 px.
@@ -217,7 +224,7 @@ std::vector<RowPoses> PosesWhileYawing(double rate_radps, const std::vector<doub
 // sub-exposures at the middles of equal parts leave out 1/65 = 1.5 % of the width, edges between
 // pixels up to 2 px, 2 %: within the 5 % that is asked for. Samples (3 a pixel) that move as a
 // whole round each shift by up to 1/6 px, evenly to both sides.
-TEST(TargetPass, TurningSmearsByItsRate) {
+TEST_P(TargetPassTest, TurningSmearsByItsRate) {
   constexpr double kRate_radps = 1.5, kDuration_s = 0.02,
                    kSmear_px = 3215 * kRate_radps * kDuration_s;
   constexpr int kParts = 65;
@@ -230,11 +237,11 @@ TEST(TargetPass, TurningSmearsByItsRate) {
   const PreparedModel model(MakeM200(true), 0.7);
   const ShadedTarget target = White(model, 20);
   for (const double hidden_px : {kMaxBlur_px, 0.0}) {  // One drawing that moves; one for each part.
-    TargetPass pass(MakeOsMesaContext(), hidden_px);
+    const auto pass = MakeTargetPass(GetParam(), hidden_px);
     const auto draw = [&](const std::vector<double>& at_s) {
       const std::vector<RowPoses> poses = PosesWhileYawing(kRate_radps, at_s);
-      return pass.Draw(target, Camera(), kWidth_px, kHeight_px, std::span<const RowPoses>(poses),
-                       turning);
+      return pass->Draw(target, Camera(), kWidth_px, kHeight_px, std::span<const RowPoses>(poses),
+                        turning);
     };
     const TargetLayer blurred = draw(offsets_s), middle = draw({0}),
                       start = draw({-kDuration_s / 2});
@@ -250,39 +257,39 @@ TEST(TargetPass, TurningSmearsByItsRate) {
 // A target that closes in grows during the exposure: its rim moves by about ±0.3 px, evenly to both
 // sides of the middle pose. Drawn once or for each sub-exposure, its image has the same centre and
 // size; 0.02 px is what either drawing is true to (above) where no edge lies along the samples.
-TEST(TargetPass, GrowthThatOneDrawingHidesMovesNothing) {
+TEST_P(TargetPassTest, GrowthThatOneDrawingHidesMovesNothing) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass each(MakeOsMesaContext(), 0), once(MakeOsMesaContext(), 1);
+  const auto each = MakeTargetPass(GetParam(), 0), once = MakeTargetPass(GetParam(), 1);
   const Eigen::Matrix3d R_CB = R_BC_Forward().transpose() * RotationFromVector({0.1, 0.25, 0.7});
   std::vector<Eigen::Isometry3d> poses;
   for (int i = -2; i <= 2; ++i) poses.push_back(At({0.4, 0.2, 8 - 0.0024 * i}, R_CB));
   const ShadedTarget target = White(model, 8);
-  const TargetLayer all = each.Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
-  const TargetLayer one = once.Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
+  const TargetLayer all = each->Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
+  const TargetLayer one = once->Draw(target, Camera(), kWidth_px, kHeight_px, poses, kHalfTurn);
   const Centroid a = CentroidOf(all), b = CentroidOf(one);
   EXPECT_NEAR(a.x_px, b.x_px, 0.02);
   EXPECT_NEAR(a.y_px, b.y_px, 0.02);
   EXPECT_NEAR(b.area_px / a.area_px, 1, 2e-3);
 }
 
-TEST(TargetPass, LeavesOutWhatIsBehindOrBeside) {
+TEST_P(TargetPassTest, LeavesOutWhatIsBehindOrBeside) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
+  const auto pass = MakeTargetPass(GetParam(), kMaxBlur_px);
   for (const Eigen::Vector3d& p_C :
        {Eigen::Vector3d(0, 0, -10), Eigen::Vector3d(30, 0, 20), Eigen::Vector3d(0, -30, 20)}) {
     const std::array poses = {At(p_C, Eigen::Matrix3d::Identity())};
-    EXPECT_TRUE(pass.Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn)
+    EXPECT_TRUE(pass->Draw(White(model, 20), Camera(), kWidth_px, kHeight_px, poses, kHalfTurn)
                     .roi.IsEmpty());
   }
 }
 
-TEST(TargetPass, SurvivesATargetAroundTheCamera) {
+TEST_P(TargetPassTest, SurvivesATargetAroundTheCamera) {
   const PreparedModel model(MakeM200(true), 0.7);
-  TargetPass pass(MakeOsMesaContext(), kMaxBlur_px);
+  const auto pass = MakeTargetPass(GetParam(), kMaxBlur_px);
   for (const double depth_m : {0.0, 0.2, 0.5}) {
     const std::array poses = {At({0, 0, depth_m}, R_BC_Forward().transpose())};
-    const TargetLayer layer = pass.Draw(White(model, depth_m), Camera(-0.25, 0.4), kWidth_px,
-                                        kHeight_px, poses, kHalfTurn);
+    const TargetLayer layer = pass->Draw(White(model, depth_m), Camera(-0.25, 0.4), kWidth_px,
+                                         kHeight_px, poses, kHalfTurn);
     EXPECT_LE(layer.roi.width, kWidth_px);
     EXPECT_LE(layer.roi.height, kHeight_px);
   }

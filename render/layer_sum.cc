@@ -1,0 +1,134 @@
+#include "render/layer_sum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include <emmintrin.h>
+
+namespace windhover {
+namespace {
+
+using Sum = std::array<std::uint32_t, 4>;
+
+__m128i Load(const Sum& sum) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(sum.data()));
+}
+
+void Store(__m128i value, Sum* sum) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(sum->data()), value);
+}
+
+TargetLayer::Sample SampleOf(std::uint16_t coverage) {
+  // Black blades before white clouds that cover 2 % change an image by five of 255 grey levels.
+  constexpr std::uint16_t kVisible = 1311;
+  if (coverage < kVisible) return TargetLayer::Sample::kEmpty;
+  return coverage > 60000 ? TargetLayer::Sample::kOpaque : TargetLayer::Sample::kTranslucent;
+}
+
+}  // namespace
+
+TargetLayer::Sample TargetLayer::SampleAt(double x_px, double y_px) const {
+  const auto column = static_cast<std::int64_t>(std::floor((x_px + 0.5 - roi.x0) * samples_per_px));
+  const auto row = static_cast<std::int64_t>(std::floor((y_px + 0.5 - roi.y0) * samples_per_px));
+  const std::int64_t columns = std::int64_t{roi.width} * samples_per_px;
+  const std::int64_t rows = std::int64_t{roi.height} * samples_per_px;
+  if (column < 0 || row < 0 || column >= columns || row >= rows) return Sample::kEmpty;
+  return samples[static_cast<std::size_t>(row * columns + column)];
+}
+
+void BoxSums::Set(std::span<const TargetCanvas::Pixel> samples, const PixelRect& shown,
+                  int samples_per_px) {
+  shown_ = shown;
+  columns_ = shown.width * samples_per_px;
+  rows_ = shown.height * samples_per_px;
+  const std::ptrdiff_t stride = columns_ + 1;
+  sums_.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows_ + 1));
+  std::fill_n(sums_.begin(), stride, Sum{});
+  const TargetCanvas::Pixel* sample = samples.data();
+  for (int y = 0; y < rows_; ++y) {
+    const Sum* above = sums_.data() + y * stride;
+    Sum* out = sums_.data() + (y + 1) * stride;
+    *out++ = Sum{};
+    __m128i row = _mm_setzero_si128();
+    for (int x = 0; x < columns_; ++x, ++sample) {
+      const __m128i light = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(sample->data()));
+      row = _mm_add_epi32(row, _mm_unpacklo_epi16(light, _mm_setzero_si128()));
+      Store(_mm_add_epi32(row, Load(*++above)), out++);
+    }
+  }
+}
+
+LayerSum::LayerSum(const PixelRect& roi, int samples_per_px) {
+  layer_.roi = roi;
+  layer_.samples_per_px = samples_per_px;
+  const auto pixels = static_cast<std::size_t>(roi.width) * static_cast<std::size_t>(roi.height);
+  sums_.resize(pixels);
+  layer_.samples.resize(pixels * static_cast<std::size_t>(samples_per_px * samples_per_px));
+}
+
+void LayerSum::Add(const PixelRect& shown, std::span<const Sum> pixels) {
+  for (int y = 0; y < shown.height; ++y) {
+    const Sum* from = pixels.data() + std::ptrdiff_t{y} * shown.width;
+    Sum* to = sums_.data() +
+              static_cast<std::ptrdiff_t>(shown.y0 + y - layer_.roi.y0) * layer_.roi.width +
+              shown.x0 - layer_.roi.x0;
+    for (int x = 0; x < shown.width; ++x) Store(_mm_add_epi32(Load(to[x]), Load(from[x])), to + x);
+  }
+}
+
+void LayerSum::Add(const BoxSums& boxes, const SampleShift& shift) {
+  const int s = layer_.samples_per_px;
+  // Place of the region's first sample among those of the boxes.
+  const int x0 = (layer_.roi.x0 - boxes.shown_.x0) * s - shift.columns;
+  const int y0 = (layer_.roi.y0 - boxes.shown_.y0) * s - shift.rows;
+  const auto first = [s](int at) { return std::max(at >= 0 ? 0 : (-at) / s, 0); };
+  const int y_end = std::min(layer_.roi.height, (boxes.rows_ - y0 + s - 1) / s);
+  const int x_end = std::min(layer_.roi.width, (boxes.columns_ - x0 + s - 1) / s);
+  for (int y = first(y0); y < y_end; ++y) {
+    const auto row = [&](int at) {
+      return boxes.sums_.data() +
+             static_cast<std::ptrdiff_t>(std::clamp(at, 0, boxes.rows_)) * (boxes.columns_ + 1);
+    };
+    const Sum *top = row(y0 + y * s), *bottom = row(y0 + y * s + s);
+    Sum* sum = sums_.data() + static_cast<std::ptrdiff_t>(y) * layer_.roi.width;
+    for (int x = first(x0); x < x_end; ++x) {
+      const int left = std::clamp(x0 + x * s, 0, boxes.columns_);
+      const int right = std::clamp(x0 + x * s + s, 0, boxes.columns_);
+      const __m128i box = _mm_sub_epi32(_mm_sub_epi32(Load(bottom[right]), Load(bottom[left])),
+                                        _mm_sub_epi32(Load(top[right]), Load(top[left])));
+      Store(_mm_add_epi32(Load(sum[x]), box), sum + x);
+    }
+  }
+}
+
+void LayerSum::SetSamples(const PixelRect& shown, std::span<const std::uint16_t> coverage,
+                          const SampleShift& shift) {
+  const int s = layer_.samples_per_px;
+  const int columns = layer_.roi.width * s, rows = layer_.roi.height * s;
+  const int x0 = (shown.x0 - layer_.roi.x0) * s + shift.columns;
+  const int y0 = (shown.y0 - layer_.roi.y0) * s + shift.rows;
+  const int from = std::max(-x0, 0), to = std::min(shown.width * s, columns - x0);
+  for (int y = std::max(-y0, 0); y < std::min(shown.height * s, rows - y0); ++y) {
+    const std::uint16_t* in = coverage.data() + static_cast<std::ptrdiff_t>(y) * shown.width * s;
+    TargetLayer::Sample* out =
+        layer_.samples.data() + static_cast<std::ptrdiff_t>(y0 + y) * columns + x0;
+    for (int x = from; x < to; ++x) out[x] = SampleOf(in[x]);
+  }
+}
+
+TargetLayer LayerSum::Mean(std::size_t exposures) && {
+  const int samples = layer_.samples_per_px * layer_.samples_per_px;
+  const float share = 1 / (static_cast<float>(exposures) * static_cast<float>(samples));
+  layer_.pixels.resize(sums_.size());
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      const auto sum = static_cast<float>(static_cast<std::int32_t>(sums_[i][c]));
+      layer_.pixels[i][c] = static_cast<std::uint16_t>(sum * share + 0.5f);
+    }
+  }
+  return std::move(layer_);
+}
+
+}  // namespace windhover

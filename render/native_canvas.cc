@@ -1,0 +1,320 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <emmintrin.h>
+
+#include "render/target_canvas.h"
+
+namespace windhover {
+namespace {
+
+using Float4 [[gnu::vector_size(16)]] = float;
+
+constexpr float kWhite = 65535;
+
+Float4 LightOf(const std::array<float, 4>& from) {
+  Float4 value;
+  std::memcpy(&value, from.data(), sizeof value);
+  return value;
+}
+
+TargetCanvas::Pixel PixelFrom(Float4 light) {
+  const __m128i rounded = _mm_cvtps_epi32(reinterpret_cast<__m128>(light * kWhite));
+  // SSE2 packs signed values only.
+  const __m128i packed = _mm_packs_epi32(_mm_sub_epi32(rounded, _mm_set1_epi32(32768)), rounded);
+  TargetCanvas::Pixel pixel;
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(pixel.data()),
+                   _mm_xor_si128(packed, _mm_set1_epi16(-32768)));
+  return pixel;
+}
+
+// Light over a triangle.
+struct Shade {
+  Float4 at_a, per_column, per_row, lowest, highest;
+  float x, y;  // Of corner a, in samples from the image's first.
+
+  Float4 At(float column, float row) const {
+    Float4 light = at_a + (column - x) * per_column + (row - y) * per_row;
+    light = light < lowest ? lowest : light;  // A sliver's slopes overshoot.
+    return light > highest ? highest : light;
+  }
+};
+
+Shade MakeShade(const std::array<RasterVertex, 3>& v, const std::array<Float4, 3>& light) {
+  const auto per_area =
+      static_cast<float>(kSampleSteps / static_cast<double>(FacingArea(v[0], v[1], v[2])));
+  const float xb = static_cast<float>(v[1].x - v[0].x) * per_area;
+  const float yb = static_cast<float>(v[1].y - v[0].y) * per_area;
+  const float xc = static_cast<float>(v[2].x - v[0].x) * per_area;
+  const float yc = static_cast<float>(v[2].y - v[0].y) * per_area;
+  const Float4 to_b = light[1] - light[0], to_c = light[2] - light[0];
+  const Float4 low = light[0] < light[1] ? light[0] : light[1];
+  const Float4 high = light[0] < light[1] ? light[1] : light[0];
+  constexpr float kPerStep = 1.0f / kSampleSteps;
+  return {light[0],
+          to_c * yb - to_b * yc,
+          to_b * xc - to_c * xb,
+          low < light[2] ? low : light[2],
+          high < light[2] ? light[2] : high,
+          static_cast<float>(v[0].x) * kPerStep - 0.5f,
+          static_cast<float>(v[0].y) * kPerStep - 0.5f};
+}
+
+// A mesh in steps of samples, and those of its triangles whose vertices are in reach.
+struct RasterMesh {
+  std::vector<RasterVertex> vertices;
+  std::span<const VertexTriple> triangles;
+  std::vector<VertexTriple> in_reach;
+
+  void Set(const ProjectedMesh& mesh, const ImageBounds& bounds, int samples_per_px);
+};
+
+void RasterMesh::Set(const ProjectedMesh& mesh, const ImageBounds& bounds, int samples_per_px) {
+  const double steps = static_cast<double>(samples_per_px) * kSampleSteps;
+  const double margin = 1e-3 * bounds.inverse_near;
+  const double farthest = bounds.inverse_far - margin;
+  const double per_inverse_m = 1 / (bounds.inverse_near - farthest);
+  constexpr double kReach = RasterVertex::kMaxPlace;
+  vertices.resize(mesh.vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const ImageVertex& v = mesh.vertices[i];
+    const double x = std::clamp((v.x_px + 0.5) * steps, -kReach, kReach);
+    const double y = std::clamp((v.y_px + 0.5) * steps, -kReach, kReach);
+    // Rounded by truncation of what is positive.
+    vertices[i] = {static_cast<std::int32_t>(x + (kReach + 0.5)) - RasterVertex::kMaxPlace,
+                   static_cast<std::int32_t>(y + (kReach + 0.5)) - RasterVertex::kMaxPlace,
+                   static_cast<float>((v.inverse_depth - farthest) * per_inverse_m)};
+  }
+  triangles = mesh.triangles;
+  const double reach_px = kReach / steps - 1;
+  if (std::max({-bounds.x_min, bounds.x_max, -bounds.y_min, bounds.y_max}) < reach_px) return;
+  in_reach.clear();
+  const auto is_near = [&](std::uint32_t i) {
+    const ImageVertex& v = mesh.vertices[i];
+    return std::abs(v.x_px) < reach_px && std::abs(v.y_px) < reach_px;
+  };
+  for (const VertexTriple& t : mesh.triangles) {
+    if (is_near(t[0]) && is_near(t[1]) && is_near(t[2])) in_reach.push_back(t);
+  }
+  triangles = in_reach;
+}
+
+// Keeps, of each sample, the nearest triangle's index and its nearness, and computes light only
+// where it is seen, run by run of samples of one triangle.
+class NativeCanvas final : public TargetCanvas {
+ public:
+  explicit NativeCanvas(RasterIsa isa) : isa_(isa) {}
+
+  std::array<int, 2> MaxSize() const override { return {1024, 512}; }
+  void Load(const TargetDrawing& drawing, int samples_per_px) override;
+  void Draw(const PixelRect& shown) override;
+  std::span<const Pixel> Samples() override;
+  void ReadCoverage(std::vector<std::uint16_t>* coverage) override;
+  void SumPixels(std::vector<std::array<std::uint32_t, 4>>* sums) override;
+
+ private:
+  void ClearTranslucent();
+  const Shade& ShadeOf(std::uint32_t index);
+  template <typename Body>
+  void ForRuns(int row, Body&& body);
+  void SumBody(int row, Float4* sums);
+  void SumTranslucent(int row, Float4* sums);
+  std::ptrdiff_t Start(int row) const { return std::ptrdiff_t{row} * tile_.stride; }
+  Float4 LightAt(const Shade& shade, float column, int row) const {
+    return shade.At(static_cast<float>(tile_.x0) + column, static_cast<float>(tile_.y0 + row));
+  }
+
+  RasterIsa isa_;
+  const TargetDrawing* drawing_ = nullptr;
+  RasterMesh body_, discs_;
+  std::vector<std::array<float, 4>> disc_light_;
+  std::vector<std::uint32_t> shade_of_;  // One a triangle: place in shades_ plus 1, or 0.
+  std::vector<Shade> shades_;
+
+  SampleTile tile_;
+  std::vector<float> nearness_;
+  std::vector<std::uint32_t> nearest_;
+  std::vector<std::array<float, 4>> translucent_;
+  std::vector<int> first_, last_;
+  std::vector<Float4> sums_;
+  std::vector<Pixel> samples_;
+};
+
+void NativeCanvas::Load(const TargetDrawing& drawing, int samples_per_px) {
+  drawing_ = &drawing;
+  samples_per_px_ = samples_per_px;
+  body_.Set(drawing.body, drawing.bounds, samples_per_px);
+  discs_.Set(drawing.discs, drawing.bounds, samples_per_px);
+  disc_light_.resize(discs_.vertices.size());
+  for (std::size_t i = 0; i < disc_light_.size(); ++i) {
+    const float alpha = drawing.disc_alphas[i];
+    const Eigen::Vector3f light = (drawing.target->disc_light[i] * alpha).cwiseMin(1);
+    disc_light_[i] = {light.x(), light.y(), light.z(), alpha};
+  }
+  shade_of_.assign(body_.triangles.size(), 0);
+  shades_.clear();
+}
+
+void NativeCanvas::Draw(const PixelRect& shown) {
+  shown_ = shown;
+  const int s = samples_per_px_;
+  tile_ = {.x0 = shown.x0 * s,
+           .y0 = shown.y0 * s,
+           .width = shown.width * s,
+           .height = shown.height * s,
+           .stride = shown.width * s + SampleTile::kPadding};
+  const auto size = static_cast<std::size_t>(Start(tile_.height));
+  nearness_.assign(size, 0);
+  nearest_.assign(size, 0);
+  tile_.nearness = nearness_.data();
+  tile_.nearest = nearest_.data();
+  const Faces faces = drawing_->target->model->IsWatertight() ? Faces::kFront : Faces::kBoth;
+  DrawOpaque(isa_, body_.vertices, body_.triangles, faces, tile_);
+  ClearTranslucent();
+  DrawTranslucent(isa_, discs_.vertices, disc_light_, discs_.triangles, tile_,
+                  {translucent_.data(), first_.data(), last_.data()});
+}
+
+// Only where discs may be.
+void NativeCanvas::ClearTranslucent() {
+  const auto rows = static_cast<std::size_t>(tile_.height);
+  first_.assign(rows, tile_.width);
+  last_.assign(rows, 0);
+  if (translucent_.size() < nearness_.size()) translucent_.resize(nearness_.size());
+  std::int32_t left = RasterVertex::kMaxPlace, right = -left, top = left, bottom = -left;
+  for (const VertexTriple& t : discs_.triangles) {
+    for (const std::uint32_t i : t) {
+      left = std::min(left, discs_.vertices[i].x);
+      right = std::max(right, discs_.vertices[i].x);
+      top = std::min(top, discs_.vertices[i].y);
+      bottom = std::max(bottom, discs_.vertices[i].y);
+    }
+  }
+  const int from = std::max(left / kSampleSteps - 1 - tile_.x0, 0);
+  const int to = std::min(right / kSampleSteps + 1 - tile_.x0, tile_.width);
+  const int first_row = std::max(top / kSampleSteps - 1 - tile_.y0, 0);
+  const int last_row = std::min(bottom / kSampleSteps + 1 - tile_.y0, tile_.height - 1);
+  for (int row = first_row; row <= last_row && from < to; ++row) {
+    std::fill_n(translucent_.begin() + Start(row) + from, to - from, std::array<float, 4>{});
+  }
+}
+
+const Shade& NativeCanvas::ShadeOf(std::uint32_t index) {
+  std::uint32_t& place = shade_of_[index - 1];
+  if (place == 0) {
+    std::array<RasterVertex, 3> corners;
+    std::array<Float4, 3> light;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t i = body_.triangles[index - 1][k];
+      corners[k] = body_.vertices[i];
+      const Eigen::Vector3f clipped = drawing_->target->body_light[i].cwiseMin(1);
+      light[k] = Float4{clipped.x(), clipped.y(), clipped.z(), 1};
+    }
+    shades_.push_back(MakeShade(corners, light));
+    place = static_cast<std::uint32_t>(shades_.size());
+  }
+  return shades_[place - 1];
+}
+
+// Calls body(shade, first, last) for each run [first, last) of samples that show one triangle.
+template <typename Body>
+void NativeCanvas::ForRuns(int row, Body&& body) {
+  std::uint32_t* index = nearest_.data() + Start(row);
+  const std::uint32_t beyond = index[tile_.width];
+  for (int i = 0; i < tile_.width;) {
+    const std::uint32_t here = index[i];
+    const int first = i++;
+    index[tile_.width] = ~here;  // So that no run goes on.
+    while (index[i] == here) ++i;
+    if (here != 0) body(ShadeOf(here), first, i);
+  }
+  index[tile_.width] = beyond;
+}
+
+void NativeCanvas::SumBody(int row, Float4* sums) {
+  const int s = samples_per_px_;
+  ForRuns(row, [&](const Shade& shade, int first, int last) {
+    for (int pixel = first / s; first < last; ++pixel) {
+      const int end = std::min(last, (pixel + 1) * s);
+      const float middle = static_cast<float>(first + end - 1) / 2;
+      sums[pixel] += static_cast<float>(end - first) * LightAt(shade, middle, row);
+      first = end;
+    }
+  });
+}
+
+// What is over the body takes its share of the body's light away.
+void NativeCanvas::SumTranslucent(int row, Float4* sums) {
+  const auto at = static_cast<std::size_t>(row);
+  for (int i = first_[at]; i < last_[at]; ++i) {
+    const Float4 over = LightOf(translucent_[static_cast<std::size_t>(Start(row) + i)]);
+    if (over[3] == 0) continue;
+    Float4& sum = sums[i / samples_per_px_];
+    sum += over;
+    const std::uint32_t index = nearest_[static_cast<std::size_t>(Start(row) + i)];
+    if (index != 0) sum -= over[3] * LightAt(ShadeOf(index), static_cast<float>(i), row);
+  }
+}
+
+void NativeCanvas::SumPixels(std::vector<std::array<std::uint32_t, 4>>* sums) {
+  const auto width = static_cast<std::size_t>(shown_.width);
+  sums_.assign(width * static_cast<std::size_t>(shown_.height), Float4{});
+  for (int row = 0; row < tile_.height; ++row) {
+    Float4* pixels = sums_.data() + static_cast<std::size_t>(row / samples_per_px_) * width;
+    SumBody(row, pixels);
+    SumTranslucent(row, pixels);
+  }
+  sums->resize(sums_.size());
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    const __m128i rounded = _mm_cvtps_epi32(reinterpret_cast<__m128>(sums_[i] * kWhite));
+    std::memcpy((*sums)[i].data(), &rounded, sizeof rounded);
+  }
+}
+
+std::span<const TargetCanvas::Pixel> NativeCanvas::Samples() {
+  const auto width = static_cast<std::size_t>(tile_.width);
+  samples_.assign(width * static_cast<std::size_t>(tile_.height), Pixel{});
+  for (int row = 0; row < tile_.height; ++row) {
+    Pixel* pixels = samples_.data() + static_cast<std::size_t>(row) * width;
+    ForRuns(row, [&](const Shade& shade, int first, int last) {
+      for (int i = first; i < last; ++i) {
+        pixels[i] = PixelFrom(LightAt(shade, static_cast<float>(i), row));
+      }
+    });
+    const auto at = static_cast<std::size_t>(row);
+    for (int i = first_[at]; i < last_[at]; ++i) {
+      Float4 over = LightOf(translucent_[static_cast<std::size_t>(Start(row) + i)]);
+      const std::uint32_t index = nearest_[static_cast<std::size_t>(Start(row) + i)];
+      if (index != 0) {
+        over += (1 - over[3]) * LightAt(ShadeOf(index), static_cast<float>(i), row);
+      }
+      pixels[i] = PixelFrom(over);
+    }
+  }
+  return samples_;
+}
+
+void NativeCanvas::ReadCoverage(std::vector<std::uint16_t>* coverage) {
+  const auto width = static_cast<std::size_t>(tile_.width);
+  coverage->resize(width * static_cast<std::size_t>(tile_.height));
+  for (int row = 0; row < tile_.height; ++row) {
+    const std::uint32_t* index = nearest_.data() + Start(row);
+    std::uint16_t* out = coverage->data() + static_cast<std::size_t>(row) * width;
+    for (int i = 0; i < tile_.width; ++i) out[i] = index[i] != 0 ? 65535 : 0;
+    const auto at = static_cast<std::size_t>(row);
+    for (int i = first_[at]; i < last_[at]; ++i) {
+      if (index[i] != 0) continue;
+      const float over = translucent_[static_cast<std::size_t>(Start(row) + i)][3];
+      out[i] = static_cast<std::uint16_t>(over * kWhite + 0.5f);
+    }
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<TargetCanvas> MakeNativeCanvas(RasterIsa isa) {
+  return std::make_unique<NativeCanvas>(isa);
+}
+
+}  // namespace windhover

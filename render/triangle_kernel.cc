@@ -1,0 +1,337 @@
+#include "render/triangle_kernel.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+// Everything below is inlined into one function for each instruction set. Lanes never meet in
+// arithmetic, and each operation is rounded as IEEE says, so that all give the same bits.
+#define WINDHOVER_INLINE [[gnu::always_inline]] inline
+
+namespace windhover {
+namespace {
+
+constexpr int kLanes = 8;
+static_assert(SampleTile::kPadding >= kLanes);
+
+using Float8 [[gnu::vector_size(32)]] = float;
+using Int8 [[gnu::vector_size(32)]] = std::int32_t;
+using Long8 [[gnu::vector_size(64)]] = std::int64_t;
+
+template <typename Int>
+struct LanesOf;
+template <>
+struct LanesOf<std::int32_t> {
+  using Type = Int8;
+};
+template <>
+struct LanesOf<std::int64_t> {
+  using Type = Long8;
+};
+
+WINDHOVER_INLINE Float8 LoadFloats(const float* from) {
+  Float8 lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+
+WINDHOVER_INLINE Int8 LoadInts(const std::uint32_t* from) {
+  Int8 lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+
+WINDHOVER_INLINE Int8 Narrow(Int8 lanes) { return lanes; }
+WINDHOVER_INLINE Int8 Narrow(Long8 lanes) { return __builtin_convertvector(lanes, Int8); }
+
+struct Box {
+  int first_column, last_column, first_row, last_row;
+  bool IsEmpty() const { return first_column > last_column || first_row > last_row; }
+};
+
+// The first sample whose centre is at or beyond `place`, and the last at or before it.
+WINDHOVER_INLINE int FirstAt(std::int32_t place) { return (place + kSampleSteps / 2 - 1) >> 8; }
+WINDHOVER_INLINE int LastAt(std::int32_t place) { return (place - kSampleSteps / 2) >> 8; }
+static_assert(kSampleSteps == 256);
+
+struct Corners {
+  const RasterVertex &a, &b, &c;
+  std::int64_t area;  ///< Of FacingArea, positive.
+
+  WINDHOVER_INLINE std::int32_t Left() const { return std::min({a.x, b.x, c.x}); }
+  WINDHOVER_INLINE std::int32_t Right() const { return std::max({a.x, b.x, c.x}); }
+  WINDHOVER_INLINE std::int32_t Top() const { return std::min({a.y, b.y, c.y}); }
+  WINDHOVER_INLINE std::int32_t Bottom() const { return std::max({a.y, b.y, c.y}); }
+};
+
+// Samples of the tile, counted from its first, that the triangle's box holds.
+WINDHOVER_INLINE Box BoxIn(const Corners& t, const SampleTile& tile) {
+  return {std::max(FirstAt(t.Left()) - tile.x0, 0),
+          std::min(LastAt(t.Right()) - tile.x0, tile.width - 1),
+          std::max(FirstAt(t.Top()) - tile.y0, 0),
+          std::min(LastAt(t.Bottom()) - tile.y0, tile.height - 1)};
+}
+
+// Something affine in the image, from its values at the corners.
+struct Plane {
+  double first;  ///< At the first sample of the box.
+  float per_column, per_row;
+};
+
+class PlaneSolver {
+ public:
+  WINDHOVER_INLINE PlaneSolver(const Corners& t, std::int64_t x_steps, std::int64_t y_steps) {
+    const double per_area = kSampleSteps / static_cast<double>(t.area);
+    xb_ = static_cast<double>(t.b.x - t.a.x) * per_area;
+    yb_ = static_cast<double>(t.b.y - t.a.y) * per_area;
+    xc_ = static_cast<double>(t.c.x - t.a.x) * per_area;
+    yc_ = static_cast<double>(t.c.y - t.a.y) * per_area;
+    columns_ = static_cast<double>(x_steps - t.a.x) / kSampleSteps;
+    rows_ = static_cast<double>(y_steps - t.a.y) / kSampleSteps;
+  }
+
+  WINDHOVER_INLINE Plane Solve(float at_a, float at_b, float at_c) const {
+    const double to_b = static_cast<double>(at_b) - static_cast<double>(at_a);
+    const double to_c = static_cast<double>(at_c) - static_cast<double>(at_a);
+    const double per_column = to_c * yb_ - to_b * yc_, per_row = to_b * xc_ - to_c * xb_;
+    return {static_cast<double>(at_a) + per_column * columns_ + per_row * rows_,
+            static_cast<float>(per_column), static_cast<float>(per_row)};
+  }
+
+ private:
+  double xb_, yb_, xc_, yc_, columns_, rows_;
+};
+
+// E(x, y) = across (x - x_p) + down (y - y_p) of the edge from p to q: positive inside. Divided by
+// kSampleSteps and rounded down it keeps its sign, as it changes by whole multiples from sample to
+// sample.
+template <typename Int>
+struct Edge {
+  WINDHOVER_INLINE Edge(const RasterVertex& p, const RasterVertex& q, std::int64_t x_steps,
+                        std::int64_t y_steps)
+      : across(q.y - p.y), down(p.x - q.x) {
+    const bool owns_its_line = across > 0 || (across == 0 && down > 0);
+    const std::int64_t value = std::int64_t{across} * (x_steps - p.x) +
+                               std::int64_t{down} * (y_steps - p.y) - (owns_its_line ? 0 : 1);
+    first = static_cast<Int>(value >> 8);
+  }
+
+  // Narrows the columns [*from, *to] of a row, counted from the box's first, to where the row may
+  // be inside.
+  WINDHOVER_INLINE void Limit(int row, int last_column, int* from, int* to) const {
+    if (across == 0) return;
+    const double at = -(static_cast<double>(first) + static_cast<double>(down) * row) / across;
+    const int column = static_cast<int>(std::clamp(at, -2.0, last_column + 2.0));
+    if (across > 0) {
+      *from = std::max(*from, column - 1);
+    } else {
+      *to = std::min(*to, column + 1);
+    }
+  }
+
+  std::int32_t across, down;
+  Int first;  ///< At the first sample of the box.
+};
+
+// Calls body(row, column, mask, nearness) for groups of samples of the box that may be inside.
+// `Int` holds E / kSampleSteps all over the box.
+template <typename Int, typename Body>
+WINDHOVER_INLINE void ForGroups(const Corners& t, const Box& box, std::int64_t x_steps,
+                                std::int64_t y_steps, Body& body) {
+  using Lanes = typename LanesOf<Int>::Type;
+  constexpr int kWide = 3 * kLanes;
+  const Edge<Int> edges[3] = {
+      {t.a, t.b, x_steps, y_steps}, {t.b, t.c, x_steps, y_steps}, {t.c, t.a, x_steps, y_steps}};
+  const Plane plane =
+      PlaneSolver(t, x_steps, y_steps).Solve(t.a.nearness, t.b.nearness, t.c.nearness);
+  const Float8 lowest = Float8{} + std::min({t.a.nearness, t.b.nearness, t.c.nearness});
+  const Float8 highest = Float8{} + std::max({t.a.nearness, t.b.nearness, t.c.nearness});
+  const Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  Lanes e[3];
+  for (int k = 0; k < 3; ++k) e[k] = edges[k].first + lane * Int{edges[k].across};
+  const Float8 float_lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Float8 first_nearness = static_cast<float>(plane.first) + float_lane * plane.per_column;
+  const int columns = box.last_column - box.first_column;
+  for (int row = 0; row <= box.last_row - box.first_row; ++row) {
+    int from = 0, to = columns;
+    if (columns >= kWide) {
+      for (const Edge<Int>& edge : edges) edge.Limit(row, columns, &from, &to);
+    }
+    const Float8 row_nearness = first_nearness + static_cast<float>(row) * plane.per_row;
+    for (int i = from; i <= to; i += kLanes) {
+      const Lanes sign = (e[0] + Int{edges[0].across} * Int{i}) |
+                         (e[1] + Int{edges[1].across} * Int{i}) |
+                         (e[2] + Int{edges[2].across} * Int{i});
+      // A sliver's slopes overshoot.
+      Float8 nearness = row_nearness + static_cast<float>(i) * plane.per_column;
+      nearness = nearness < lowest ? lowest : nearness;
+      nearness = nearness > highest ? highest : nearness;
+      body(box.first_row + row, box.first_column + i, Narrow(sign >= 0), nearness);
+    }
+    for (int k = 0; k < 3; ++k) e[k] += Int{edges[k].down};
+  }
+}
+
+// Calls body as ForGroups does for one triangle that the tile shows in part.
+template <typename Body>
+WINDHOVER_INLINE void DrawTriangle(const Corners& t, const Box& box, const SampleTile& tile,
+                                   Body& body) {
+  constexpr std::int32_t kMaxNarrow = 1024 * kSampleSteps;  // E / kSampleSteps is below 2^30.
+  const std::int64_t x_steps =
+      std::int64_t{tile.x0 + box.first_column} * kSampleSteps + kSampleSteps / 2;
+  const std::int64_t y_steps =
+      std::int64_t{tile.y0 + box.first_row} * kSampleSteps + kSampleSteps / 2;
+  if (t.Right() - t.Left() <= kMaxNarrow && t.Bottom() - t.Top() <= kMaxNarrow) {
+    ForGroups<std::int32_t>(t, box, x_steps, y_steps, body);
+  } else {
+    ForGroups<std::int64_t>(t, box, x_steps, y_steps, body);
+  }
+}
+
+WINDHOVER_INLINE void Opaque(std::span<const RasterVertex> vertices,
+                             std::span<const VertexTriple> triangles, Faces faces,
+                             const SampleTile& tile) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const RasterVertex &a = vertices[triangles[i][0]], *b = &vertices[triangles[i][1]],
+                       *c = &vertices[triangles[i][2]];
+    std::int64_t area = FacingArea(a, *b, *c);
+    if (area < 0 && faces == Faces::kBoth) {
+      std::swap(b, c);
+      area = -area;
+    }
+    if (area <= 0) continue;
+    const Corners corners{a, *b, *c, area};
+    const Box box = BoxIn(corners, tile);
+    if (box.IsEmpty()) continue;
+    const Int8 index = Int8{} + static_cast<std::int32_t>(i + 1);
+    auto keep_nearest = [&](int row, int column, Int8 inside, Float8 nearness) {
+      const std::ptrdiff_t at = std::ptrdiff_t{row} * tile.stride + column;
+      const Float8 before = LoadFloats(tile.nearness + at);
+      const Int8 wins = inside & (nearness > before);
+      const Float8 nearest = wins ? nearness : before;
+      const Int8 indices = wins ? index : LoadInts(tile.nearest + at);
+      std::memcpy(tile.nearness + at, &nearest, sizeof nearest);
+      std::memcpy(tile.nearest + at, &indices, sizeof indices);
+    };
+    DrawTriangle(corners, box, tile, keep_nearest);
+  }
+}
+
+// Light and coverage over a triangle.
+struct LightPlanes {
+  WINDHOVER_INLINE LightPlanes(const Corners& t, const Box& box, const SampleTile& tile,
+                               const std::array<float, 4>& a, const std::array<float, 4>& b,
+                               const std::array<float, 4>& c) {
+    const PlaneSolver solver(
+        t, std::int64_t{tile.x0 + box.first_column} * kSampleSteps + kSampleSteps / 2,
+        std::int64_t{tile.y0 + box.first_row} * kSampleSteps + kSampleSteps / 2);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Plane plane = solver.Solve(a[k], b[k], c[k]);
+      first[k] = static_cast<float>(plane.first);
+      per_column[k] = plane.per_column;
+      per_row[k] = plane.per_row;
+      lowest[k] = std::min({a[k], b[k], c[k]});
+      highest[k] = std::max({a[k], b[k], c[k]});
+    }
+  }
+
+  using Float4 [[gnu::vector_size(16)]] = float;
+  Float4 first, per_column, per_row, lowest, highest;
+};
+
+WINDHOVER_INLINE void Blend(const LightPlanes& planes, float column, float row,
+                            std::array<float, 4>* sample) {
+  using Float4 = LightPlanes::Float4;
+  Float4 light = planes.first + column * planes.per_column + row * planes.per_row;
+  light = light < planes.lowest ? planes.lowest : light;
+  light = light > planes.highest ? planes.highest : light;
+  Float4 below;
+  std::memcpy(&below, sample, sizeof below);
+  const Float4 above = light + below * (1.0f - light[3]);
+  std::memcpy(sample, &above, sizeof above);
+}
+
+WINDHOVER_INLINE void Translucent(std::span<const RasterVertex> vertices,
+                                  std::span<const std::array<float, 4>> light,
+                                  std::span<const VertexTriple> triangles, const SampleTile& tile,
+                                  const TranslucentTile& out) {
+  for (const VertexTriple& t : triangles) {
+    const Corners corners{vertices[t[0]], vertices[t[1]], vertices[t[2]],
+                          FacingArea(vertices[t[0]], vertices[t[1]], vertices[t[2]])};
+    if (corners.area <= 0 || light[t[0]][3] + light[t[1]][3] + light[t[2]][3] <= 0) continue;
+    const Box box = BoxIn(corners, tile);
+    if (box.IsEmpty()) continue;
+    const LightPlanes planes(corners, box, tile, light[t[0]], light[t[1]], light[t[2]]);
+    auto blend = [&](int row, int column, Int8 inside, Float8 nearness) {
+      const std::ptrdiff_t at = std::ptrdiff_t{row} * tile.stride + column;
+      const Int8 shows = inside & (nearness > LoadFloats(tile.nearness + at));
+      for (int i = 0; i < kLanes; ++i) {
+        if (shows[i] == 0 || column + i >= tile.width) continue;
+        Blend(planes, static_cast<float>(column + i - box.first_column),
+              static_cast<float>(row - box.first_row), out.light + at + i);
+        out.first[row] = std::min(out.first[row], column + i);
+        out.last[row] = std::max(out.last[row], column + i + 1);
+      }
+    };
+    DrawTriangle(corners, box, tile, blend);
+  }
+}
+
+#define WINDHOVER_RASTER(isa, name)                                                                \
+  __attribute__((target(isa), flatten)) void Opaque##name(std::span<const RasterVertex> vertices,  \
+                                                          std::span<const VertexTriple> triangles, \
+                                                          Faces faces, const SampleTile& tile) {   \
+    Opaque(vertices, triangles, faces, tile);                                                      \
+  }                                                                                                \
+  __attribute__((target(isa), flatten)) void Translucent##name(                                    \
+      std::span<const RasterVertex> vertices, std::span<const std::array<float, 4>> light,         \
+      std::span<const VertexTriple> triangles, const SampleTile& tile,                             \
+      const TranslucentTile& out) {                                                                \
+    Translucent(vertices, light, triangles, tile, out);                                            \
+  }
+WINDHOVER_RASTER("sse2", Sse2)
+WINDHOVER_RASTER("avx2", Avx2)
+WINDHOVER_RASTER("avx512f,avx512vl,avx512bw,avx512dq", Avx512)
+#undef WINDHOVER_RASTER
+
+}  // namespace
+
+bool IsSupported(RasterIsa isa) {
+  switch (isa) {
+    case RasterIsa::kSse2:
+      return true;
+    case RasterIsa::kAvx2:
+      return __builtin_cpu_supports("avx2") != 0;
+    case RasterIsa::kAvx512:
+      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
+             __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512dq") != 0;
+  }
+  return false;
+}
+
+RasterIsa BestRasterIsa() {
+  static const RasterIsa best = IsSupported(RasterIsa::kAvx512) ? RasterIsa::kAvx512
+                                : IsSupported(RasterIsa::kAvx2) ? RasterIsa::kAvx2
+                                                                : RasterIsa::kSse2;
+  return best;
+}
+
+void DrawOpaque(RasterIsa isa, std::span<const RasterVertex> vertices,
+                std::span<const VertexTriple> triangles, Faces faces, const SampleTile& tile) {
+  const auto draw = isa == RasterIsa::kAvx512 ? OpaqueAvx512
+                    : isa == RasterIsa::kAvx2 ? OpaqueAvx2
+                                              : OpaqueSse2;
+  draw(vertices, triangles, faces, tile);
+}
+
+void DrawTranslucent(RasterIsa isa, std::span<const RasterVertex> vertices,
+                     std::span<const std::array<float, 4>> light,
+                     std::span<const VertexTriple> triangles, const SampleTile& tile,
+                     const TranslucentTile& translucent) {
+  const auto draw = isa == RasterIsa::kAvx512 ? TranslucentAvx512
+                    : isa == RasterIsa::kAvx2 ? TranslucentAvx2
+                                              : TranslucentSse2;
+  draw(vertices, light, triangles, tile, translucent);
+}
+
+}  // namespace windhover
