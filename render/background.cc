@@ -87,9 +87,9 @@ BackgroundWarp::BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const 
   }
 }
 
-void BackgroundWarp::Row(int y, RowShare share, std::uint16_t* rgb) const {
+void BackgroundWarp::Row(int y, std::uint16_t* rgb) const {
   if (warp_.near_pole) {
-    ExactRow(y, share, rgb);
+    ExactRow(y, rgb);
     return;
   }
   const auto columns = static_cast<std::size_t>(grid_.columns);
@@ -100,10 +100,10 @@ void BackgroundWarp::Row(int y, RowShare share, std::uint16_t* rgb) const {
     u[i] = Between(u_[above + i], u_[above + columns + i], t);
     v[i] = Between(v_[above + i], v_[above + columns + i], t);
   }
-  WarpRow(window_, {u.data(), v.data(), grid_.width_px}, share, rgb);
+  WarpRow(window_, {u.data(), v.data(), grid_.width_px}, rgb);
 }
 
-void BackgroundWarp::ExactRow(int y, RowShare share, std::uint16_t* rgb) const {
+void BackgroundWarp::ExactRow(int y, std::uint16_t* rgb) const {
   // Between rows of nodes the camera turns evenly.
   const bool is_one = warp_.R_WC.size() == 1;
   const auto j = static_cast<std::size_t>(is_one ? 0 : y / kRayCell_px);
@@ -117,7 +117,7 @@ void BackgroundWarp::ExactRow(int y, RowShare share, std::uint16_t* rgb) const {
     place.x() -= std::round((place.x() - u_near) / map_.Width()) * map_.Width();
     const std::array u = {ToFixed(place.x() - window_.u0), 0};
     const std::array v = {ToFixed(place.y() - window_.v0), 0};
-    WarpRow(window_, {u.data(), v.data(), 1}, share, rgb + x * 3);
+    WarpRow(window_, {u.data(), v.data(), 1}, rgb + x * 3);
   }
 }
 

@@ -46,12 +46,11 @@ class BackgroundWarp {
   BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const RadianceMap& map,
                  const MapWindow& window);
 
-  /// Puts or adds a share of the linear light of row `y`: 3 · width values into `rgb`, and up to
-  /// kRowMargin more that may be overwritten.
-  void Row(int y, RowShare share, std::uint16_t* rgb) const;
+  /// Writes the linear light of row `y`: 3 · width values, and up to kRowMargin more.
+  void Row(int y, std::uint16_t* rgb) const;
 
  private:
-  void ExactRow(int y, RowShare share, std::uint16_t* rgb) const;
+  void ExactRow(int y, std::uint16_t* rgb) const;
 
   const RayGrid& grid_;
   const WarpGrid& warp_;

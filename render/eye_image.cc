@@ -7,6 +7,20 @@
 namespace windhover {
 namespace {
 
+// Shares sum to 65536; each product is cut, so that white loses 1/65536 a share.
+__attribute__((target_clones("default", "avx2"))) void ScaleRow(std::uint32_t share, int count,
+                                                                std::uint16_t* row) {
+  for (int i = 0; i < count; ++i) row[i] = static_cast<std::uint16_t>((row[i] * share) >> 16);
+}
+
+__attribute__((target_clones("default", "avx2"))) void AddScaledRow(const std::uint16_t* values,
+                                                                    std::uint32_t share, int count,
+                                                                    std::uint16_t* row) {
+  for (int i = 0; i < count; ++i) {
+    row[i] = static_cast<std::uint16_t>(row[i] + ((values[i] * share) >> 16));
+  }
+}
+
 void ShadeRow(const std::uint16_t* shading, int count, std::uint16_t* row) {
   for (int i = 0; i < count; ++i) {
     row[i] = static_cast<std::uint16_t>((std::uint32_t{row[i]} * shading[i / 3] + 32768u) >> 16);
@@ -29,11 +43,16 @@ void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
 
 }  // namespace
 
-void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y, std::uint16_t* row) {
-  bool is_added = false;
-  for (const BackgroundShare& background : backgrounds) {
-    background.warp.Row(y, {background.share, is_added}, row);
-    is_added = true;
+void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y,
+                   std::span<std::uint16_t> row) {
+  backgrounds[0].warp.Row(y, row.data());
+  if (backgrounds.size() == 1) return;
+  const auto count = static_cast<int>(row.size());
+  ScaleRow(backgrounds[0].share, count, row.data());
+  std::vector<std::uint16_t> other(row.size());
+  for (const BackgroundShare& background : backgrounds.subspan(1)) {
+    background.warp.Row(y, other.data());
+    AddScaledRow(other.data(), background.share, count, row.data());
   }
 }
 

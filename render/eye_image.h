@@ -19,9 +19,10 @@ struct BackgroundShare {
   std::uint32_t share;
 };
 
-/// Weighted mean of the surroundings over the exposure: linear light of row `y`, 3 · width values
-/// into `row`, which has room for kRowMargin more.
-void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y, std::uint16_t* row);
+/// Weighted mean of the surroundings over the exposure: linear light of row `y` into `row`, 3 ·
+/// width values and kRowMargin more.
+void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y,
+                   std::span<std::uint16_t> row);
 
 /// Share of its light that each pixel keeps, in 65536ths; empty without vignetting.
 std::vector<std::uint16_t> ShadingOf(const RayGrid& rays, const OpticsConfig& optics);

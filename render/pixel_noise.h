@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 namespace windhover {
@@ -28,6 +29,17 @@ inline __attribute__((always_inline)) float PixelNoise(std::uint32_t key0, std::
       (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu) + (g & 0x00ff00ffu) + ((g >> 8) & 0x00ff00ffu);
   const auto sum = static_cast<std::int32_t>((pairs & 0xffffu) + (pairs >> 16));
   return (static_cast<float>(sum) - kMean) * kPerSigma;
+}
+
+/// The square root of `v` >= 0, true to 5e-6 of it: two steps of Newton's method for its inverse.
+/// A processor's own square root takes half the time of the noise. Source of the first guess:
+/// C. Lomont, "Fast Inverse Square Root", 2003.
+inline __attribute__((always_inline)) float QuickRoot(float v) {
+  float inverse = std::bit_cast<float>(0x5f375a86 - (std::bit_cast<std::int32_t>(v) >> 1));
+  const float half = 0.5f * v;
+  inverse *= 1.5f - half * inverse * inverse;
+  inverse *= 1.5f - half * inverse * inverse;
+  return v * inverse;
 }
 
 }  // namespace windhover

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "common/image/srgb.h"
 #include "common/random/random_stream.h"
 #include "render/pixel_noise.h"
 
@@ -11,25 +10,45 @@ namespace windhover {
 namespace {
 
 constexpr float kWhite = 65535;
-constexpr int kTableShift = 3;
 
 struct NoiseParameters {
   std::uint32_t key0, key1;
   float variance_per_light, read_variance;
 };
 
-// The same bits at any width.
-__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void AddNoiseToRow(
-    const NoiseParameters& parameters, int count, std::uint16_t* linear) {
+// Compiled for each instruction set; the same bits at any width.
+inline __attribute__((always_inline)) void AddNoise(const NoiseParameters& parameters, int count,
+                                                    std::uint16_t* linear) {
   const NoiseParameters p = parameters;
   for (int i = 0; i < count; ++i) {
     const auto light = static_cast<float>(static_cast<std::int32_t>(linear[i]));
-    const float sigma = std::sqrt(light * p.variance_per_light + p.read_variance);
+    const float sigma = QuickRoot(light * p.variance_per_light + p.read_variance);
     const float noise = sigma * PixelNoise(p.key0, p.key1, i);
     // Shifted so that truncation rounds to nearest on both sides of 0.
     std::int32_t noisy = static_cast<std::int32_t>(light + noise + 65536.5f) - 65536;
     noisy = noisy < 0 ? 0 : noisy;
     linear[i] = static_cast<std::uint16_t>(noisy > 65535 ? 65535 : noisy);
+  }
+}
+
+__attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))) void AddNoiseAvx512(
+    const NoiseParameters& parameters, int count, std::uint16_t* linear) {
+  AddNoise(parameters, count, linear);
+}
+
+__attribute__((target("avx2"))) void AddNoiseAvx2(const NoiseParameters& parameters, int count,
+                                                  std::uint16_t* linear) {
+  AddNoise(parameters, count, linear);
+}
+
+void AddNoiseToRow(const NoiseParameters& parameters, int count, std::uint16_t* linear) {
+  switch (WidestInstructionSet()) {
+    case InstructionSet::kAvx512:
+      return AddNoiseAvx512(parameters, count, linear);
+    case InstructionSet::kAvx2:
+      return AddNoiseAvx2(parameters, count, linear);
+    case InstructionSet::kSse2:
+      return AddNoise(parameters, count, linear);
   }
 }
 
@@ -41,31 +60,6 @@ __attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void Scale(
     linear[i] =
         static_cast<std::uint16_t>(static_cast<std::int32_t>(light < kWhite ? light : kWhite));
   }
-}
-
-// Bytes, 0..1, of linear light, 0..1.
-double Transferred(TransferCurve curve, double light) {
-  switch (curve) {
-    case TransferCurve::kSrgb:
-      return SrgbFromLinear(light);
-    case TransferCurve::kGamma22:
-      return std::pow(light, 1 / 2.2);
-    case TransferCurve::kLinear:
-      break;
-  }
-  return light;
-}
-
-double Untransferred(TransferCurve curve, double value) {
-  switch (curve) {
-    case TransferCurve::kSrgb:
-      return LinearFromSrgb(value);
-    case TransferCurve::kGamma22:
-      return std::pow(value, 2.2);
-    case TransferCurve::kLinear:
-      break;
-  }
-  return value;
 }
 
 // Differs between cameras, and between images of a camera where `tick` does.
@@ -89,15 +83,10 @@ Sensor::Sensor(const SensorConfig& config)
       noise_(config.noise),
       variance_per_light_(static_cast<float>(kWhite / config.full_well_e)),
       read_variance_(
-          static_cast<float>(std::pow(kWhite / config.full_well_e * config.read_noise_e, 2))) {
-  for (std::size_t i = 0; i < table_.size(); ++i) {
-    const double light =
-        std::min(1.0, ((static_cast<double>(i) + 0.5) * (1 << kTableShift)) / kWhite);
-    table_[i] = static_cast<std::uint8_t>(std::lround(255 * Transferred(config.transfer, light)));
-  }
-  table_[0] = 0;
+          static_cast<float>(std::pow(kWhite / config.full_well_e * config.read_noise_e, 2))),
+      transfer_(config.transfer) {
   for (std::size_t i = 0; i < light_of_byte_.size(); ++i) {
-    const double light = Untransferred(config.transfer, static_cast<double>(i) / 255);
+    const double light = LightOf(config.transfer, static_cast<double>(i) / 255);
     light_of_byte_[i] = static_cast<std::uint32_t>(std::lround(light * kWhite));
   }
 }
@@ -117,10 +106,6 @@ void Sensor::Expose(const Shot& shot, int row, int count, std::uint16_t* linear)
   AddNoiseToRow({static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32),
                  variance_per_light_ * gain, read_variance_ * gain * gain},
                 count, linear);
-}
-
-void Sensor::Transfer(const std::uint16_t* linear, int count, std::uint8_t* bytes) const {
-  for (int i = 0; i < count; ++i) bytes[i] = table_[linear[i] >> kTableShift];
 }
 
 double Sensor::MeanLight(const RgbImage& image) const {

@@ -6,6 +6,7 @@
 
 #include "common/image/frame_encoding.h"
 #include "render/emva_sensor.h"
+#include "render/transfer_function.h"
 #include "scenarios/sensor_config.h"
 
 namespace windhover {
@@ -44,7 +45,9 @@ class Sensor {
   void Expose(const Shot& shot, int row, int count, std::uint16_t* linear) const;
 
   /// Bytes of `count` values by the transfer curve.
-  void Transfer(const std::uint16_t* linear, int count, std::uint8_t* bytes) const;
+  void Transfer(const std::uint16_t* linear, int count, std::uint8_t* bytes) const {
+    transfer_.Apply(linear, count, bytes);
+  }
 
   /// Mean linear light of bytes, 1 is white: what an automatic exposure goes by.
   double MeanLight(const RgbImage& image) const;
@@ -55,7 +58,7 @@ class Sensor {
   bool noise_;
   float variance_per_light_;  ///< Shot noise: variance per unit of light, both of 1/65535.
   float read_variance_;
-  std::array<std::uint8_t, 8192> table_;
+  TransferFunction transfer_;
   std::array<std::uint32_t, 256> light_of_byte_;  ///< 65535 is white.
 };
 

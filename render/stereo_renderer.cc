@@ -119,7 +119,7 @@ void StereoRenderer::KeepSurroundings(EyeView* eye, int band) const {
   // What is written beyond a row must not be the next band's.
   std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + kRowMargin);
   for (int y = FirstRowOf(band, height_px); y < FirstRowOf(band + 1, height_px); ++y) {
-    BackgroundRow(eye->backgrounds, y, row.data());
+    BackgroundRow(eye->backgrounds, y, row);
     std::copy_n(row.data(), count, eye->linear.data() + y * count);
   }
 }
@@ -150,7 +150,7 @@ void StereoRenderer::FinishBand(const Shot& shot, int band, EyeView* eye, RgbIma
   std::vector<std::uint16_t> own_row(static_cast<std::size_t>(count) + kRowMargin);
   for (int y = FirstRowOf(band, height_px); y < FirstRowOf(band + 1, height_px); ++y) {
     std::uint16_t* row = keeps_surroundings_ ? eye->linear.data() + y * count : own_row.data();
-    if (!keeps_surroundings_) BackgroundRow(eye->backgrounds, y, row);
+    if (!keeps_surroundings_) BackgroundRow(eye->backgrounds, y, own_row);
     ComposeRow(eye->layers, eye->shading, sensor_, shot, y, row, image);
   }
 }

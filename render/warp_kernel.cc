@@ -31,17 +31,11 @@ __m128i Mix(__m128i a, __m128i b, __m128i weight) {
 
 // --- SSE2, which every x86-64 processor has ------------------------------------------------------
 
-// The fourth value of a texel is 0, so that adding it leaves the next pixel as it is.
-void Put(__m128i pixel, RowShare share, std::uint16_t* rgb) {
-  auto* out = reinterpret_cast<__m128i*>(rgb);
-  if (share.share < 65536) {
-    pixel = _mm_mulhi_epu16(pixel, _mm_set1_epi16(static_cast<std::int16_t>(share.share)));
-  }
-  if (share.is_added) pixel = _mm_add_epi16(pixel, _mm_loadl_epi64(out));
-  _mm_storel_epi64(out, pixel);
+void Put(__m128i pixel, std::uint16_t* rgb) {
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(rgb), pixel);
 }
 
-void SpanSse2(const MapWindow& window, const Span& span, RowShare share, std::uint16_t* rgb) {
+void SpanSse2(const MapWindow& window, const Span& span, std::uint16_t* rgb) {
   for (int i = 0; i < span.count; ++i) {
     const std::int32_t u = span.U(i), v = span.V(i);
     const Texel* at = window.texels.data() + std::ptrdiff_t{v >> 16} * window.width + (u >> 16);
@@ -49,7 +43,7 @@ void SpanSse2(const MapWindow& window, const Span& span, RowShare share, std::ui
                                _mm_set1_epi16(static_cast<std::int16_t>(v & 65535)));
     Put(Mix(column, _mm_unpackhi_epi64(column, column),
             _mm_set1_epi16(static_cast<std::int16_t>(u & 65535))),
-        share, rgb + 3 * i);
+        rgb + 3 * i);
   }
 }
 
@@ -98,8 +92,7 @@ WINDHOVER_AVX2 void FindPlaces(const Span& span, int stride, Places* places) {
   }
 }
 
-WINDHOVER_AVX2 void SpanAvx2(const MapWindow& window, const Span& span, RowShare share,
-                             std::uint16_t* rgb) {
+WINDHOVER_AVX2 void SpanAvx2(const MapWindow& window, const Span& span, std::uint16_t* rgb) {
   Places places;
   FindPlaces(span, window.width, &places);
   const Texel* texels = window.texels.data();
@@ -111,11 +104,11 @@ WINDHOVER_AVX2 void SpanAvx2(const MapWindow& window, const Span& span, RowShare
                                 Pair(Both(places.v_weight + i), Both(places.v_weight + i + 1)));
     const __m256i pixels = Mix2(column, _mm256_unpackhi_epi64(column, column),
                                 Pair(Both(places.u_weight + i), Both(places.u_weight + i + 1)));
-    Put(_mm256_castsi256_si128(pixels), share, rgb + 3 * i);
-    Put(_mm256_extracti128_si256(pixels, 1), share, rgb + 3 * i + 3);
+    Put(_mm256_castsi256_si128(pixels), rgb + 3 * i);
+    Put(_mm256_extracti128_si256(pixels, 1), rgb + 3 * i + 3);
   }
   if (i < span.count) {
-    SpanSse2(window, {span.U(i), span.V(i), 0, 0, 1}, share, rgb + 3 * i);
+    SpanSse2(window, {span.U(i), span.V(i), 0, 0, 1}, rgb + 3 * i);
   }
 }
 
@@ -137,9 +130,10 @@ bool FindPatch(const MapWindow& window, const Span& span, Patch* patch) {
   return right + 2 - patch->column <= kPatchColumns && patch->n_rows <= kMaxPatchRows;
 }
 
-// Eight pixels: texels left and right of them, summed over rows with the weights of these.
+// Eight pixels: which texel of a row of the patch, which row, the weights of the texel to the right
+// and of the row below, and the sums over rows of the texels left and right.
 struct EightPixels {
-  __m512i column, u_weight, left, right;
+  __m512i column, row, u_weight, v_weight, left, right;
 };
 
 // Each of eight 32-bit weights four times, for the four values of a texel.
@@ -148,14 +142,22 @@ WINDHOVER_AVX512 inline __m512i FourTimes(__m256i weight) {
   return _mm512_shuffle_epi8(_mm512_cvtepu32_epi64(weight), low);
 }
 
-WINDHOVER_AVX512 inline EightPixels Begin(__m256i column, __m256i u_weight) {
-  return {_mm512_cvtepu32_epi64(column), FourTimes(u_weight), _mm512_setzero_si512(),
+WINDHOVER_AVX512 inline __m512i Complement(__m512i weight) {
+  return _mm512_xor_si512(weight, _mm512_set1_epi16(-1));
+}
+
+// `u`, `v`: places relative to the patch.
+WINDHOVER_AVX512 inline EightPixels Begin(__m256i u, __m256i v) {
+  return {_mm512_cvtepu32_epi64(_mm256_srli_epi32(u, 16)),
+          _mm512_cvtepu32_epi64(_mm256_srli_epi32(v, 16)),
+          FourTimes(u),
+          FourTimes(v),
+          _mm512_setzero_si512(),
           _mm512_setzero_si512()};
 }
 
-WINDHOVER_AVX512 inline void AddRow(__m512i texels0, __m512i texels8, __m256i v_weight,
+WINDHOVER_AVX512 inline void AddRow(__m512i texels0, __m512i texels8, __m512i weight,
                                     EightPixels* eight) {
-  const __m512i weight = FourTimes(v_weight);
   const __m512i next = _mm512_add_epi64(eight->column, _mm512_set1_epi64(1));
   const __m512i left = _mm512_permutex2var_epi64(texels0, eight->column, texels8);
   const __m512i right = _mm512_permutex2var_epi64(texels0, next, texels8);
@@ -163,78 +165,86 @@ WINDHOVER_AVX512 inline void AddRow(__m512i texels0, __m512i texels8, __m256i v_
   eight->right = _mm512_add_epi16(eight->right, _mm512_mulhi_epu16(right, weight));
 }
 
-WINDHOVER_AVX512 inline void Put(const EightPixels& eight, RowShare share, std::uint16_t* rgb) {
-  constexpr __mmask32 kValues = 0xffffff;  // 24 of them.
-  const __m512i packing = _mm512_set_epi16(0, 0, 0, 0, 0, 0, 0, 0, 30, 29, 28, 26, 25, 24, 22, 21,
-                                           20, 18, 17, 16, 14, 13, 12, 10, 9, 8, 6, 5, 4, 2, 1, 0);
-  const __m512i rest = _mm512_xor_si512(eight.u_weight, _mm512_set1_epi16(-1));
-  __m512i pixels = _mm512_add_epi16(_mm512_mulhi_epu16(eight.left, rest),
-                                    _mm512_mulhi_epu16(eight.right, eight.u_weight));
-  if (share.share < 65536) {
-    pixels = _mm512_mulhi_epu16(pixels, _mm512_set1_epi16(static_cast<std::int16_t>(share.share)));
-  }
-  pixels = _mm512_permutexvar_epi16(packing, pixels);
-  if (share.is_added) {
-    pixels = _mm512_add_epi16(pixels, _mm512_maskz_loadu_epi16(kValues, rgb));
-  }
-  _mm512_mask_storeu_epi16(rgb, kValues, pixels);
+// What row `r` of the patch weighs: nothing for pixels that it is neither above nor below.
+WINDHOVER_AVX512 inline __m512i WeightOfRow(const EightPixels& eight, int r) {
+  const __mmask8 is_above = _mm512_cmpeq_epi64_mask(eight.row, _mm512_set1_epi64(r));
+  const __mmask8 is_below = _mm512_cmpeq_epi64_mask(eight.row, _mm512_set1_epi64(r - 1));
+  return _mm512_mask_mov_epi64(_mm512_maskz_mov_epi64(is_above, Complement(eight.v_weight)),
+                               is_below, eight.v_weight);
 }
 
-WINDHOVER_AVX512 inline __m512i AlongAll(std::int32_t from, std::int32_t to) {
+WINDHOVER_AVX512 inline void AddRows(const Texel* texels, std::ptrdiff_t stride, int n_rows,
+                                     EightPixels* first, EightPixels* second) {
+  for (int r = 0; r < n_rows; ++r, texels += stride) {
+    const __m512i texels0 = _mm512_loadu_si512(texels), texels8 = _mm512_loadu_si512(texels + 8);
+    AddRow(texels0, texels8, WeightOfRow(*first, r), first);
+    AddRow(texels0, texels8, WeightOfRow(*second, r), second);
+  }
+}
+
+WINDHOVER_AVX512 inline void AddTwoRows(const Texel* texels, std::ptrdiff_t stride,
+                                        EightPixels* first, EightPixels* second) {
+  const __m512i above0 = _mm512_loadu_si512(texels), above8 = _mm512_loadu_si512(texels + 8);
+  AddRow(above0, above8, Complement(first->v_weight), first);
+  AddRow(above0, above8, Complement(second->v_weight), second);
+  texels += stride;
+  const __m512i below0 = _mm512_loadu_si512(texels), below8 = _mm512_loadu_si512(texels + 8);
+  AddRow(below0, below8, first->v_weight, first);
+  AddRow(below0, below8, second->v_weight, second);
+}
+
+WINDHOVER_AVX512 inline void Put(const EightPixels& eight, std::uint16_t* rgb) {
+  const __m512i packing = _mm512_set_epi16(0, 0, 0, 0, 0, 0, 0, 0, 30, 29, 28, 26, 25, 24, 22, 21,
+                                           20, 18, 17, 16, 14, 13, 12, 10, 9, 8, 6, 5, 4, 2, 1, 0);
+  const __m512i pixels =
+      _mm512_add_epi16(_mm512_mulhi_epu16(eight.left, Complement(eight.u_weight)),
+                       _mm512_mulhi_epu16(eight.right, eight.u_weight));
+  _mm512_mask_storeu_epi16(rgb, 0xffffff, _mm512_permutexvar_epi16(packing, pixels));
+}
+
+// The 16 places from `from` towards `to`, from `origin` on.
+WINDHOVER_AVX512 inline __m512i PlacesFrom(std::int32_t origin, std::int32_t from,
+                                           std::int32_t to) {
   const __m512i i = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
   const __m512i way = _mm512_mullo_epi32(_mm512_set1_epi32(to - from), i);
-  return _mm512_add_epi32(_mm512_set1_epi32(from),
+  return _mm512_add_epi32(_mm512_set1_epi32(from - origin),
                           _mm512_srai_epi32(_mm512_add_epi32(way, _mm512_set1_epi32(8)), 4));
 }
 
-WINDHOVER_AVX512 inline __m256i High(__m512i v) { return _mm512_extracti64x4_epi64(v, 1); }
-WINDHOVER_AVX512 inline __m256i Low(__m512i v) { return _mm512_castsi512_si256(v); }
-
-WINDHOVER_AVX512 void SpanAvx512(const MapWindow& window, const Span& span, RowShare share,
-                                 std::uint16_t* rgb) {
+WINDHOVER_AVX512 void SpanAvx512(const MapWindow& window, const Span& span, std::uint16_t* rgb) {
   Patch patch;
-  if (!FindPatch(window, span, &patch)) return SpanAvx2(window, span, share, rgb);
-  const __m512i fraction = _mm512_set1_epi32(65535);
-  const __m512i u = AlongAll(span.u0, span.u1), v = AlongAll(span.v0, span.v1);
-  const __m512i column =
-      _mm512_sub_epi32(_mm512_srai_epi32(u, 16), _mm512_set1_epi32(patch.column));
-  const __m512i row = _mm512_sub_epi32(_mm512_srai_epi32(v, 16), _mm512_set1_epi32(patch.row));
-  const __m512i u_weight = _mm512_and_si512(u, fraction), below = _mm512_and_si512(v, fraction);
-  const __m512i above = _mm512_xor_si512(below, fraction);
-  EightPixels first = Begin(Low(column), Low(u_weight));
-  EightPixels second = Begin(High(column), High(u_weight));
+  if (!FindPatch(window, span, &patch)) return SpanAvx2(window, span, rgb);
+  const __m512i u = PlacesFrom(patch.column * 65536, span.u0, span.u1);
+  const __m512i v = PlacesFrom(patch.row * 65536, span.v0, span.v1);
+  EightPixels first = Begin(_mm512_castsi512_si256(u), _mm512_castsi512_si256(v));
+  EightPixels second = Begin(_mm512_extracti64x4_epi64(u, 1), _mm512_extracti64x4_epi64(v, 1));
   const Texel* texels =
       window.texels.data() + std::ptrdiff_t{patch.row} * window.width + patch.column;
-  for (int r = 0; r < patch.n_rows; ++r, texels += window.width) {
-    const __mmask16 is_above = _mm512_cmpeq_epi32_mask(row, _mm512_set1_epi32(r));
-    const __mmask16 is_below = _mm512_cmpeq_epi32_mask(row, _mm512_set1_epi32(r - 1));
-    const __m512i weight =
-        _mm512_mask_mov_epi32(_mm512_maskz_mov_epi32(is_above, above), is_below, below);
-    const __m512i texels0 = _mm512_loadu_si512(texels), texels8 = _mm512_loadu_si512(texels + 8);
-    AddRow(texels0, texels8, Low(weight), &first);
-    AddRow(texels0, texels8, High(weight), &second);
+  if (patch.n_rows == 2) {
+    AddTwoRows(texels, window.width, &first, &second);
+  } else {
+    AddRows(texels, window.width, patch.n_rows, &first, &second);
   }
-  Put(first, share, rgb);
-  Put(second, share, rgb + 24);
+  Put(first, rgb);
+  Put(second, rgb + 24);
 }
 
-template <typename DrawSpan>
-void ForEachSpan(const WarpedRow& row, const DrawSpan& draw) {
-  for (int i = 0, x = 0; x < row.width_px; ++i, x += kWarpCell_px) {
-    draw(Span{row.u[i], row.v[i], row.u[i + 1], row.v[i + 1],
-              std::min(kWarpCell_px, row.width_px - x)},
-         x * 3);
-  }
+using DrawSpan = void (*)(const MapWindow&, const Span&, std::uint16_t*);
+
+DrawSpan DrawSpanOf(InstructionSet isa) {
+  if (isa == InstructionSet::kAvx512) return SpanAvx512;
+  return isa == InstructionSet::kAvx2 ? SpanAvx2 : SpanSse2;
 }
 
 }  // namespace
 
-void WarpRow(const MapWindow& window, const WarpedRow& row, RowShare share, std::uint16_t* rgb,
+void WarpRow(const MapWindow& window, const WarpedRow& row, std::uint16_t* rgb,
              InstructionSet isa) {
-  const auto draw_span = isa == InstructionSet::kAvx512 ? SpanAvx512
-                         : isa == InstructionSet::kAvx2 ? SpanAvx2
-                                                        : SpanSse2;
-  ForEachSpan(row, [&](const Span& span, int at) { draw_span(window, span, share, rgb + at); });
+  const DrawSpan draw_span = DrawSpanOf(isa);
+  for (int i = 0, x = 0; x < row.width_px; ++i, x += kWarpCell_px) {
+    const int count = std::min(kWarpCell_px, row.width_px - x);
+    draw_span(window, {row.u[i], row.v[i], row.u[i + 1], row.v[i + 1], count}, rgb + x * 3);
+  }
 }
 
 }  // namespace windhover

@@ -17,20 +17,14 @@ struct WarpedRow {
   int width_px;
 };
 
-/// What becomes of the pixels: all of the row, or a share in 65536ths that is put or added there.
-struct RowShare {
-  std::uint32_t share = 65536;
-  bool is_added = false;
-};
-
 /// Values beyond a row's last that a warp may write.
 inline constexpr int kRowMargin = 1;
 
 /// Interpolates linearly between four texels for each pixel of `row`. Integers only, so every
-/// instruction set gives the same bits; products are cut, which costs at most 4/65536 of white, and
-/// 1 for each share. Writes 3 · width_px values and up to kRowMargin more. `window` holds all
-/// places and one texel to the right of and below each.
-void WarpRow(const MapWindow& window, const WarpedRow& row, RowShare share, std::uint16_t* rgb,
+/// instruction set gives the same bits; products are cut, which costs at most 4/65536 of white.
+/// Writes 3 · width_px values and up to kRowMargin more. `window` holds all places and one texel to
+/// the right of and below each.
+void WarpRow(const MapWindow& window, const WarpedRow& row, std::uint16_t* rgb,
              InstructionSet isa = WidestInstructionSet());
 
 }  // namespace windhover

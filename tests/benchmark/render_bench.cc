@@ -123,6 +123,40 @@ BENCHMARK(BM_Target)
     ->ArgsProduct({{5, 10, 20, 40, 80}, {0, 1}, {1, 8}})
     ->Unit(benchmark::kMillisecond);
 
+// One row of 1280 px, as a slightly rolled camera sees it.
+void BM_WarpRow(benchmark::State& state) {
+  MapWindow window;
+  window.width = 1536;
+  window.height = 128;
+  window.texels.resize(1536 * 128, Texel{30000, 20000, 10000, 0});
+  std::vector<std::int32_t> u, v;
+  for (int i = 0; i <= 1280 / kWarpCell_px; ++i) {
+    u.push_back(100 * 65536 + i * 891'000);
+    v.push_back(50 * 65536 + i * 18'000);
+  }
+  std::vector<std::uint16_t> row(1280 * 3 + kRowMargin);
+  const auto isa = static_cast<InstructionSet>(state.range(0));
+  for (auto _ : state) {
+    WarpRow(window, {u.data(), v.data(), 1280}, row.data(), isa);
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(BM_WarpRow)->ArgName("isa")->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kNanosecond);
+
+// One row of 1280 px of half-bright light.
+void BM_SensorRow(benchmark::State& state) {
+  const Sensor sensor(SensorConfig{.noise = state.range(0) != 0});
+  std::vector<std::uint16_t> row(1280 * 3, 30000);
+  std::vector<std::uint8_t> bytes(row.size());
+  int y = 0;
+  for (auto _ : state) {
+    sensor.Expose({.key = {1, 0, 0, 1}, .exposure_s = 2e-3}, y++ % 720, 3840, row.data());
+    sensor.Transfer(row.data(), 3840, bytes.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(BM_SensorRow)->ArgName("noise")->Arg(0)->Arg(1)->Unit(benchmark::kNanosecond);
+
 void BM_GeometricFrame(benchmark::State& state) {
   Scenario scenario = BenchmarkScenario();
   const SceneGeometry geometry(scenario, {0});

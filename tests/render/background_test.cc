@@ -76,7 +76,7 @@ Frame Draw(const Environment& world, const Eigen::Matrix3d& R, int extra_texels 
   const double equator = map.Width() / 4.0;
   frame.latitude_rad =
       std::max(std::abs(warp.v_min - equator), std::abs(warp.v_max - equator)) / map.TexelsPerRad();
-  for (int y = 0; y < kHeight_px; ++y) background.Row(y, {}, frame.values.data() + y * kWidth_px * 3);
+  for (int y = 0; y < kHeight_px; ++y) background.Row(y, frame.values.data() + y * kWidth_px * 3);
   return frame;
 }
 

@@ -35,10 +35,10 @@ struct Places {
   std::array<std::int32_t, 6> u, v;
 };
 
-std::vector<std::uint16_t> Warped(const MapWindow& window, const Places& places, RowShare share,
-                                  InstructionSet isa, std::uint16_t before) {
-  std::vector<std::uint16_t> rgb(3 * kPixels + kRowMargin, before);
-  WarpRow(window, {places.u.data(), places.v.data(), kPixels}, share, rgb.data(), isa);
+std::vector<std::uint16_t> Warped(const MapWindow& window, const Places& places,
+                                  InstructionSet isa) {
+  std::vector<std::uint16_t> rgb(3 * kPixels + kRowMargin);
+  WarpRow(window, {places.u.data(), places.v.data(), kPixels}, rgb.data(), isa);
   rgb.resize(3 * kPixels);
   return rgb;
 }
@@ -52,14 +52,14 @@ TEST(WarpRow, InterpolatesBetweenFourTexels) {
                    Texel{7000, 400, 65535, 0}};
   const std::array<std::int32_t, 2> u = {32768, 32768}, v = {16384, 16384};
   std::array<std::uint16_t, 3 + kRowMargin> rgb{};
-  WarpRow(window, {u.data(), v.data(), 1}, {}, rgb.data());
+  WarpRow(window, {u.data(), v.data(), 1}, rgb.data());
   EXPECT_NEAR(rgb[0], 3000, 4);  // Four cut products.
   EXPECT_NEAR(rgb[1], 100, 4);
   EXPECT_NEAR(rgb[2], 65535, 4);
 }
 
 // Integers only, so the kernels must agree in every bit: along rows, steeply across them (where the
-// widest kernel gives way), near the window's right edge, whole and as shares.
+// widest kernel gives way), near the window's right edge.
 TEST(WarpRow, GivesTheSameBitsOnEveryInstructionSet) {
   if (WidestInstructionSet() == InstructionSet::kSse2)
     GTEST_SKIP() << "this processor has only SSE2";
@@ -76,28 +76,12 @@ TEST(WarpRow, GivesTheSameBitsOnEveryInstructionSet) {
       places.v[i] =
           static_cast<std::int32_t>((kHeight / 2) * 65536 + slope * u + stream.Uniform(0, 65536));
     }
-    const RowShare share = trial % 2 == 0 ? RowShare{} : RowShare{20000, trial % 4 == 1};
-    const auto narrow = Warped(window, places, share, InstructionSet::kSse2, 777);
-    ASSERT_EQ(Warped(window, places, share, InstructionSet::kAvx2, 777), narrow) << trial;
+    const auto narrow = Warped(window, places, InstructionSet::kSse2);
+    ASSERT_EQ(Warped(window, places, InstructionSet::kAvx2), narrow) << trial;
     if (WidestInstructionSet() == InstructionSet::kAvx512) {
-      ASSERT_EQ(Warped(window, places, share, InstructionSet::kAvx512, 777), narrow) << trial;
+      ASSERT_EQ(Warped(window, places, InstructionSet::kAvx512), narrow) << trial;
     }
   }
-}
-
-TEST(WarpRow, SharesAddUpToTheWhole) {
-  const MapWindow window = NoiseWindow();
-  Places places{};
-  for (std::size_t i = 0; i < places.u.size(); ++i) {
-    places.u[i] = static_cast<std::int32_t>(i) * 9 * 65536 + 1234;
-    places.v[i] = 20 * 65536 + static_cast<std::int32_t>(i) * 5000;
-  }
-  const auto whole = Warped(window, places, {}, WidestInstructionSet(), 0);
-  std::vector<std::uint16_t> sum(3 * kPixels + kRowMargin);
-  for (const RowShare share : {RowShare{18204, false}, {29128, true}, {18204, true}}) {
-    WarpRow(window, {places.u.data(), places.v.data(), kPixels}, share, sum.data());
-  }
-  for (std::size_t i = 0; i < whole.size(); ++i) EXPECT_NEAR(sum[i], whole[i], 3) << i;
 }
 
 }  // namespace
