@@ -52,16 +52,18 @@ WarpGrid MakeWarpGrid(const RayGrid& grid, const std::vector<Eigen::Matrix3d>& R
                 .near_pole = false,
                 .R_WC = R_WC,
                 .chart = chart};
-  warp.places.reserve(grid.rays_C.size());
-  for (std::size_t i = 0; i < grid.rays_C.size(); ++i) {
-    const std::size_t row = R_WC.size() == 1 ? 0 : i / static_cast<std::size_t>(grid.columns);
-    Eigen::Vector2d place = map.PlaceOf(R_WC[row] * grid.rays_C[i], chart);
-    place.x() -= std::round((place.x() - u_near) / map.Width()) * map.Width();
-    warp.u_min = std::min(warp.u_min, place.x());
-    warp.u_max = std::max(warp.u_max, place.x());
-    warp.v_min = std::min(warp.v_min, place.y());
-    warp.v_max = std::max(warp.v_max, place.y());
-    warp.places.push_back(place);
+  const std::span<const Eigen::Vector3d> rays_C = grid.rays_C;
+  const std::size_t n_alike = rays_C.size() / R_WC.size();
+  for (std::size_t row = 0; row < R_WC.size(); ++row) {
+    const auto places = map.PlacesOf(R_WC[row], rays_C.subspan(row * n_alike, n_alike), chart);
+    for (Eigen::Vector2d place : places) {
+      place.x() -= std::round((place.x() - u_near) / map.Width()) * map.Width();
+      warp.u_min = std::min(warp.u_min, place.x());
+      warp.u_max = std::max(warp.u_max, place.x());
+      warp.v_min = std::min(warp.v_min, place.y());
+      warp.v_max = std::max(warp.v_max, place.y());
+      warp.places.push_back(place);
+    }
   }
   const double pole_margin = map.Width() / 36.0;  // 10°
   warp.near_pole = warp.v_min < pole_margin || warp.v_max > map.Width() / 2.0 - pole_margin;

@@ -8,17 +8,23 @@ namespace windhover {
 namespace {
 
 // Shares sum to 65536; each product is cut, so that white loses 1/65536 a share.
-__attribute__((target_clones("default", "avx2"))) void ScaleRow(std::uint32_t share, int count,
+__attribute__((target_clones("default", "avx2"))) void ScaleRow(std::uint16_t share, int count,
                                                                 std::uint16_t* row) {
-  for (int i = 0; i < count; ++i) row[i] = static_cast<std::uint16_t>((row[i] * share) >> 16);
+  for (int i = 0; i < count; ++i)
+    row[i] = static_cast<std::uint16_t>((std::uint32_t{row[i]} * share) >> 16);
 }
 
 __attribute__((target_clones("default", "avx2"))) void AddScaledRow(const std::uint16_t* values,
-                                                                    std::uint32_t share, int count,
+                                                                    std::uint16_t share, int count,
                                                                     std::uint16_t* row) {
   for (int i = 0; i < count; ++i) {
-    row[i] = static_cast<std::uint16_t>(row[i] + ((values[i] * share) >> 16));
+    row[i] = static_cast<std::uint16_t>(row[i] + ((std::uint32_t{values[i]} * share) >> 16));
   }
+}
+
+// Of several, none is whole.
+std::uint16_t ShareOf(const BackgroundShare& background) {
+  return static_cast<std::uint16_t>(background.share);
 }
 
 void ShadeRow(const std::uint16_t* shading, int count, std::uint16_t* row) {
@@ -48,11 +54,11 @@ void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y,
   backgrounds[0].warp.Row(y, row.data());
   if (backgrounds.size() == 1) return;
   const auto count = static_cast<int>(row.size());
-  ScaleRow(backgrounds[0].share, count, row.data());
+  ScaleRow(ShareOf(backgrounds[0]), count, row.data());
   std::vector<std::uint16_t> other(row.size());
   for (const BackgroundShare& background : backgrounds.subspan(1)) {
     background.warp.Row(y, other.data());
-    AddScaledRow(other.data(), background.share, count, row.data());
+    AddScaledRow(other.data(), ShareOf(background), count, row.data());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/parallel_for.h"
+#include "render/sphere_angles.h"
 
 namespace windhover {
 namespace {
@@ -48,8 +49,28 @@ RadianceMap::RadianceMap(const Environment& environment, double focal_px)
 
 Eigen::Vector2d RadianceMap::PlaceOf(const Eigen::Vector3d& d_W, Chart chart) const {
   const Eigen::Vector3d d = ToChart(d_W, chart);
-  return {-std::atan2(d.y(), d.x()) * TexelsPerRad(),
-          std::atan2(std::hypot(d.x(), d.y()), d.z()) * TexelsPerRad()};
+  return {-QuickAtan2(d.y(), d.x()) * TexelsPerRad(),
+          QuickAtan2(std::sqrt(d.x() * d.x() + d.y() * d.y()), d.z()) * TexelsPerRad()};
+}
+
+std::vector<Eigen::Vector2d> RadianceMap::PlacesOf(const Eigen::Matrix3d& R_WC,
+                                                   std::span<const Eigen::Vector3d> rays_C,
+                                                   Chart chart) const {
+  const std::size_t n = rays_C.size();
+  std::vector<double> x(n), y(n), z(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d d = ToChart(R_WC * rays_C[i], chart);
+    x[i] = d.x();
+    y[i] = d.y();
+    z[i] = d.z();
+  }
+  FindSphereAngles(n, x.data(), y.data(), z.data());
+  std::vector<Eigen::Vector2d> places;
+  places.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    places.emplace_back(-x[i] * TexelsPerRad(), y[i] * TexelsPerRad());
+  }
+  return places;
 }
 
 Eigen::Vector3d RadianceMap::DirectionAt(double u, double v, Chart chart) const {

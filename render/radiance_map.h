@@ -53,6 +53,9 @@ class RadianceMap {
   /// Where the map shows direction `d_W`: u in [-Width/2, Width/2], v from 0 (the pole) to
   /// Width/2; whole numbers are texel centres.
   Eigen::Vector2d PlaceOf(const Eigen::Vector3d& d_W, Chart chart) const;
+  /// The same for many rays of a camera that is turned by `R_WC`.
+  std::vector<Eigen::Vector2d> PlacesOf(const Eigen::Matrix3d& R_WC,
+                                        std::span<const Eigen::Vector3d> rays_C, Chart chart) const;
   /// The direction shown at (u, v).
   Eigen::Vector3d DirectionAt(double u, double v, Chart chart) const;
 

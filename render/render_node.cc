@@ -100,6 +100,8 @@ void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
     client_.Publish(channel::ImageLeft(id), frame.left);
     client_.Publish(channel::ImageRight(id), frame.right);
   }
+  renderer_->Recycle(std::move(frame.left.data));
+  renderer_->Recycle(std::move(frame.right.data));
 }
 
 void RenderNode::PublishGeometry(const annotation_t& annotation, int tick) {

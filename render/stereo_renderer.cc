@@ -93,7 +93,7 @@ void StereoRenderer::DrawTargets(const world_truth_t& world, EyeView* eye, Targe
 void StereoRenderer::DrawTask(const world_truth_t& world, int task, int worker) {
   std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
   if (pass == nullptr) {
-    pass = std::make_unique<TargetPass>(MakeOsMesaContext(), scenario_.exposure.max_blur_px);
+    pass = MakeTargetPass(scenario_.render.rasteriser, scenario_.exposure.max_blur_px);
   }
   if (!DrawsOneAtATime(scenario_)) return DrawTargets(world, EyeOf(task), pass.get());
   DrawTargets(world, EyeOf(2 * task), pass.get());
@@ -176,9 +176,26 @@ EyeView* StereoRenderer::EyeOf(int index) {
   return &views_[static_cast<std::size_t>(index / 2)]->eyes[static_cast<std::size_t>(index % 2)];
 }
 
+RgbImage StereoRenderer::NewImage() {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  if (spare_images_.empty()) return RgbImage(width_px, height_px);
+  RgbImage image = std::move(spare_images_.back());
+  spare_images_.pop_back();
+  return image;
+}
+
+void StereoRenderer::Recycle(std::vector<std::uint8_t>&& pixels) {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  RgbImage image;
+  image.width_px = width_px;
+  image.height_px = height_px;
+  image.pixels = std::move(pixels);
+  const auto n = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px) * 3;
+  if (image.pixels.size() == n) spare_images_.push_back(std::move(image));
+}
+
 std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int tick) {
   geometry_.CheckWorld(world);
-  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const int n_observers = static_cast<int>(views_.size());
   ParallelFor(n_observers, threads_, [&](int i, int) {
     PlanFrame(scenario_, geometry_, map_, world, views_[static_cast<std::size_t>(i)].get());
@@ -191,8 +208,7 @@ std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int
   if (is_spread_) SpreadSurroundings();
   std::vector<RenderedPair> pairs;
   for (const auto& view : views_) {
-    pairs.push_back({RgbImage(width_px, height_px), RgbImage(width_px, height_px), view->annotation,
-                     view->eyes[0].setting.duration_s});
+    pairs.push_back({NewImage(), NewImage(), view->annotation, view->eyes[0].setting.duration_s});
   }
   ParallelFor(CountEyes() * kBands, threads_, [&](int task, int) {
     EyeView* eye = EyeOf(task / kBands);

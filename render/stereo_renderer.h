@@ -39,6 +39,9 @@ class StereoRenderer {
   /// scenario, in its order. @throws std::runtime_error if it does not.
   std::vector<RenderedPair> Render(const world_truth_t& world, int tick);
 
+  /// Takes the memory of an image that is no longer needed, for a later one.
+  void Recycle(std::vector<std::uint8_t>&& pixels);
+
  private:
   void ShadeTargets(const world_truth_t& world, StereoView* view) const;
   void DrawTargets(const world_truth_t& world, EyeView* eye, TargetPass* pass) const;
@@ -47,6 +50,7 @@ class StereoRenderer {
   void KeepSurroundings(EyeView* eye, int band) const;
   void SpreadSurroundings();
   void FinishBand(const Shot& shot, int band, EyeView* eye, RgbImage* image) const;
+  RgbImage NewImage();  ///< Holds anything.
   void Adapt(const std::vector<RenderedPair>& pairs, int tick);
   Shot ShotOf(const EyeView& eye, int tick) const;
   EyeView* EyeOf(int index);  ///< 2 · observer, and one more for the right.
@@ -64,6 +68,7 @@ class StereoRenderer {
   std::map<const AircraftShape*, PreparedModel> models_;
   std::vector<std::unique_ptr<StereoView>> views_;
   std::vector<std::unique_ptr<TargetPass>> passes_;  ///< One a thread, made at first use.
+  std::vector<RgbImage> spare_images_;
 };
 
 }  // namespace windhover

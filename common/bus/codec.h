@@ -31,16 +31,22 @@ void CheckLayout(MessageBytes bytes) {
   }
 }
 
-/// The message that `bytes` hold.
-/// @throws MalformedMessage unless they are exactly one well-formed Message.
+/// Decodes into `message`, whose memory is used again from message to message.
+/// @throws MalformedMessage unless `bytes` are exactly one well-formed Message.
 template <typename Message>
-Message Decode(MessageBytes bytes) {
+void DecodeTo(MessageBytes bytes, Message* message) {
   CheckLayout<Message>(bytes);
-  Message message{};
   const int size = static_cast<int>(bytes.size());
-  if (message.decode(bytes.data(), 0, size) != size) {
+  if (message->decode(bytes.data(), 0, size) != size) {
     throw MalformedMessage(fmt::format("{} cannot be decoded", MessageLayout<Message>::kName));
   }
+}
+
+/// The message that `bytes` hold; throws as DecodeTo() does.
+template <typename Message>
+Message Decode(MessageBytes bytes) {
+  Message message{};
+  DecodeTo(bytes, &message);
   return message;
 }
 

@@ -29,7 +29,7 @@ class TickClient {
   ~TickClient();
   TickClient(const TickClient&) = delete;
 
-  /// Every tick needs one Message on `channel` with the tick's utime; `*latest` holds it when
+  /// Every tick needs one Message on `channel` with the tick's utime; `*latest` holds it while
   /// the tick is processed. A message of an earlier tick, or a second one of this tick, is
   /// ignored and counted. Call before the first Handle().
   template <typename Message>
@@ -70,14 +70,15 @@ class TickClient {
 
 template <typename Message>
 void TickClient::Require(const std::string& channel, Message* latest) {
-  auto held = std::make_shared<Message>();
+  // The memory of a message goes round: pixels are not allocated anew each tick.
+  auto held = std::make_shared<Message>(), decoded = std::make_shared<Message>();
   RequireBytes(
       channel,
-      [this, held](std::size_t requirement, MessageBytes bytes) {
-        Message message = Decode<Message>(bytes);
-        if (Accept(requirement, message.utime)) *held = std::move(message);
+      [this, held, decoded](std::size_t requirement, MessageBytes bytes) {
+        DecodeTo(bytes, decoded.get());
+        if (Accept(requirement, decoded->utime)) std::swap(*held, *decoded);
       },
-      [held, latest] { *latest = std::move(*held); });
+      [held, latest] { std::swap(*latest, *held); });
 }
 
 template <typename Message>

@@ -6,6 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "common/geometry/rotation.h"
+#include "render/sphere_angles.h"
 
 namespace windhover {
 namespace {
@@ -176,6 +177,17 @@ TEST(RadianceMap, KeepsItsMemoryAndItsTexels) {
   }
   map.Cover(Chart::kUpright, 0, 200, 2000, 2200, 2, &again);
   EXPECT_EQ(again.texels, first.texels);
+}
+
+TEST(QuickAtan2, IsTheArcTangent) {
+  for (int i = 0; i < 7200; ++i) {
+    const double angle = (i - 3600) * EIGEN_PI / 3600 + 1e-9, r = 1e-3 + i;
+    const double y = r * std::sin(angle), x = r * std::cos(angle);
+    EXPECT_NEAR(QuickAtan2(y, x), std::atan2(y, x), 1e-13) << angle;
+  }
+  EXPECT_EQ(QuickAtan2(0, 1), 0);
+  EXPECT_DOUBLE_EQ(QuickAtan2(1, 0), EIGEN_PI / 2);
+  EXPECT_DOUBLE_EQ(QuickAtan2(0, -1), EIGEN_PI);
 }
 
 }  // namespace
