@@ -25,7 +25,7 @@ std::vector<std::string> Overrides(const RunOptions& options) {
   return overrides;
 }
 
-void CheckOptions(const RunOptions& options) {
+void TakeOptions(const RunOptions& options) {
   if (options.frames == "shm") {
     throw ConfigError("--frames must be lcm: shm is not offered by this version (found 'shm')");
   }
@@ -43,6 +43,8 @@ void CheckOptions(const RunOptions& options) {
       (options.isa == "avx512" && !__builtin_cpu_supports("avx512f"))) {
     throw ConfigError(fmt::format("--isa must be what this CPU has (found '{}')", options.isa));
   }
+  // Before any loop asks, in this process or in those it starts.
+  if (!options.isa.empty()) setenv("WINDHOVER_ISA", options.isa.c_str(), /*overwrite=*/1);
 }
 
 // Without images one process does all, unless a bus is asked for.
@@ -82,7 +84,7 @@ int Finish(const RunSummary& summary, const fs::path& run_dir, const RunOptions&
 }
 
 int Run(RunOptions options) {
-  CheckOptions(options);
+  TakeOptions(options);
   const Scenario scenario = LoadScenario(options.scenario_file, Overrides(options));
   const fs::path run_dir = MakeRunDirectory(options.scenario_file, options.out);
   ReplaceFile(run_dir / "resolved.yaml", ResolvedYaml(scenario, PathStyle::kAbsolute));
@@ -110,7 +112,7 @@ void AddOptions(CLI::App* command, RunOptions* o) {
                     "all in this process; default for observe truth and geometric");
   command->add_option("--threads", o->threads, "threads of each process")
       ->check(CLI::Range(1, 1024));
-  command->add_option("--isa", o->isa, "vector instructions of learned detectors")
+  command->add_option("--isa", o->isa, "no wider vector instructions than these; the same bits")
       ->check(CLI::IsMember({"avx2", "avx512"}));
   command->add_option("--frames", o->frames, "how frames travel")
       ->check(CLI::IsMember({"lcm", "shm"}));

@@ -1,5 +1,6 @@
 #include "render/sensor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -52,6 +53,15 @@ void AddNoiseToRow(const NoiseParameters& parameters, int count, std::uint16_t* 
   }
 }
 
+// Every value becomes the luminance of its pixel (Rec. ITU-R BT.709), in 65536ths.
+void MakeGrey(int count, std::uint16_t* linear) {
+  for (int i = 0; i + 2 < count; i += 3) {
+    const std::uint32_t luminance =
+        (13933u * linear[i] + 46871u * linear[i + 1] + 4732u * linear[i + 2] + 32768u) >> 16;
+    std::fill_n(linear + i, 3, static_cast<std::uint16_t>(luminance));
+  }
+}
+
 // White is as bright as it gets.
 __attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void Scale(
     float factor, int count, std::uint16_t* linear) {
@@ -74,11 +84,14 @@ std::uint64_t RowKey(std::string_view name, const NoiseKey& key, int tick, int r
 }  // namespace
 
 FrameFormat FrameFormatOf(const SensorConfig& config) {
-  return {.is_bayer = config.bayer == BayerPattern::kRggb, .jpeg_quality = config.jpeg_quality};
+  return {.is_bayer = config.bayer == BayerPattern::kRggb,
+          .is_grey = config.grey,
+          .jpeg_quality = config.jpeg_quality};
 }
 
 Sensor::Sensor(const SensorConfig& config)
     : model_(config.model),
+      is_grey_(config.grey),
       emva_(config),
       noise_(config.noise),
       variance_per_light_(static_cast<float>(kWhite / config.full_well_e)),
@@ -92,6 +105,7 @@ Sensor::Sensor(const SensorConfig& config)
 }
 
 void Sensor::Expose(const Shot& shot, int row, int count, std::uint16_t* linear) const {
+  if (is_grey_) MakeGrey(count, linear);
   if (shot.brightness != 1) Scale(static_cast<float>(shot.brightness), count, linear);
   if (model_ == SensorModel::kEmva1288) {
     const SensorRowKeys keys{.frame = RowKey("render/sensor", shot.key, shot.key.tick, row),

@@ -40,8 +40,9 @@ class Sensor {
  public:
   explicit Sensor(const SensorConfig& config);
 
-  /// Turns `count` values of light of row `row` into what the sensor makes of it, in place, within
-  /// 0 to 65535 (white).
+  /// Turns `count` values of light of row `row` (red, green, blue in turn) into what the sensor
+  /// makes of it, in place, within 0 to 65535 (white). Without colours a pixel's three values are
+  /// three draws of the same light.
   void Expose(const Shot& shot, int row, int count, std::uint16_t* linear) const;
 
   /// Bytes of `count` values by the transfer curve.
@@ -54,6 +55,7 @@ class Sensor {
 
  private:
   SensorModel model_;
+  bool is_grey_;
   EmvaSensor emva_;
   bool noise_;
   float variance_per_light_;  ///< Shot noise: variance per unit of light, both of 1/65535.

@@ -150,6 +150,9 @@ class RuleChecker {
       MustBe("sensor.jpeg_quality", "0 where frames are raw under colour filters",
              fmt::format("'{}'", sensor.jpeg_quality), {"sensor.bayer"});
     }
+    if (sensor.bayer != BayerPattern::kNone && sensor.grey) {
+      MustBe("sensor.grey", "false where a sensor has colour filters", "'true'", {"sensor.bayer"});
+    }
     const double largest_dn = std::exp2(sensor.emva.bits) - 1;
     if (sensor.emva.offset_dn >= largest_dn / 2) {
       MustBe("sensor.emva.offset_dn",

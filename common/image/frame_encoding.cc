@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -25,11 +26,21 @@ std::vector<std::uint8_t> Mosaic(const RgbImage& image) {
   return mosaic;
 }
 
-std::vector<std::uint8_t> Jpeg(const RgbImage& image, int quality) {
-  cv::Mat bgr;
-  cv::cvtColor(MatOf(image), bgr, cv::COLOR_RGB2BGR);
+std::vector<std::uint8_t> Green(const RgbImage& image) {
+  std::vector<std::uint8_t> green(image.pixels.size() / 3);
+  for (std::size_t i = 0; i < green.size(); ++i) green[i] = image.pixels[3 * i + 1];
+  return green;
+}
+
+std::vector<std::uint8_t> Jpeg(const RgbImage& image, const FrameFormat& format) {
+  cv::Mat coded;
+  if (format.is_grey) {
+    cv::extractChannel(MatOf(image), coded, 1);
+  } else {
+    cv::cvtColor(MatOf(image), coded, cv::COLOR_RGB2BGR);
+  }
   std::vector<std::uint8_t> jpeg;
-  if (!cv::imencode(".jpg", bgr, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality})) {
+  if (!cv::imencode(".jpg", coded, jpeg, {cv::IMWRITE_JPEG_QUALITY, format.jpeg_quality})) {
     throw std::runtime_error("a frame could not be encoded as JPEG");
   }
   return jpeg;
@@ -38,8 +49,9 @@ std::vector<std::uint8_t> Jpeg(const RgbImage& image, int quality) {
 }  // namespace
 
 image_t EncodeFrame(RgbImage&& image, Utime utime, const FrameFormat& format) {
-  if (!format.is_bayer && format.jpeg_quality == 0)
+  if (!format.is_bayer && !format.is_grey && format.jpeg_quality == 0) {
     return MessageFromImage(std::move(image), utime);
+  }
   image_t message{};
   message.utime = utime;
   message.width = image.width_px;
@@ -48,9 +60,13 @@ image_t EncodeFrame(RgbImage&& image, Utime utime, const FrameFormat& format) {
     message.row_stride = image.width_px;
     message.pixelformat = image_t::PIXEL_FORMAT_BAYER_RGGB;
     message.data = Mosaic(image);
-  } else {
+  } else if (format.jpeg_quality > 0) {
     message.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
-    message.data = Jpeg(image, format.jpeg_quality);
+    message.data = Jpeg(image, format);
+  } else {
+    message.row_stride = image.width_px;
+    message.pixelformat = image_t::PIXEL_FORMAT_GRAY;
+    message.data = Green(image);
   }
   message.size = static_cast<std::int32_t>(message.data.size());
   return message;
@@ -63,8 +79,12 @@ RgbImage AsReceived(RgbImage image, const FrameFormat& format) {
     cv::cvtColor(cv::Mat(image.height_px, image.width_px, CV_8UC1, mosaic.data()), MatOf(image),
                  cv::COLOR_BayerBG2RGB);
   } else if (format.jpeg_quality > 0) {
-    const cv::Mat bgr = cv::imdecode(Jpeg(image, format.jpeg_quality), cv::IMREAD_COLOR);
+    const cv::Mat bgr = cv::imdecode(Jpeg(image, format), cv::IMREAD_COLOR);
     cv::cvtColor(bgr, MatOf(image), cv::COLOR_BGR2RGB);
+  } else if (format.is_grey) {
+    std::vector<std::uint8_t> green = Green(image);
+    cv::cvtColor(cv::Mat(image.height_px, image.width_px, CV_8UC1, green.data()), MatOf(image),
+                 cv::COLOR_GRAY2RGB);
   }
   return image;
 }

@@ -114,7 +114,21 @@ TEST_F(ProcessesTest, TheLogIsTheSameHoweverItIsSpread) {
                    "execution.estimator_processes=2", "--set", "execution.swarm_processes=2"}),
       hash);
   EXPECT_EQ(HashOf("d", {"--in-process"}), hash);
+  EXPECT_EQ(HashOf("f", {"--isa", "avx2"}), hash);
   EXPECT_NE(HashOf("e", {"--seed", "2"}), hash);
+}
+
+TEST_F(ProcessesTest, OurRasterisersBitsAreTheSameToo) {
+  const auto hash_of = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> options = {"--set", "render.rasteriser=native"};
+    options.insert(options.end(), more.begin(), more.end());
+    return HashOf(name, options);
+  };
+  const std::string hash = hash_of("a", {"--threads", "1"});
+  EXPECT_EQ(hash_of("b", {"--threads", "2"}), hash);
+  EXPECT_EQ(hash_of("c", {"--isa", "avx2"}), hash);
+  EXPECT_EQ(hash_of("d", {"--set", "execution.render_processes=2"}), hash);
+  EXPECT_NE(HashOf("e", {}), hash);
 }
 
 TEST_F(ProcessesTest, TheLogIsTheSameOverUdpMulticast) {

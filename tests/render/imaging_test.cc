@@ -207,5 +207,29 @@ TEST(Imaging, BayerFramesAreMosaics) {
   EXPECT_LT(error / static_cast<double>(image.pixels.size()), 6);
 }
 
+// BT.709's luminance of the linear light, then the curve; a single channel of noise.
+TEST(Imaging, GreyFramesHoldLuminance) {
+  Scenario scenario = Pair();
+  scenario.sensor.noise = false;
+  const RgbImage colour = Render(scenario, PairWorld()).left;
+  scenario.sensor.grey = true;
+  const RgbImage grey = Render(scenario, PairWorld()).left;
+  const FrameFormat format = FrameFormatOf(scenario.sensor);
+  const image_t message = EncodeFrame(RgbImage(grey), 5, format);
+  EXPECT_EQ(message.pixelformat, image_t::PIXEL_FORMAT_GRAY);
+  ASSERT_EQ(message.data.size(), 640u * 360u);
+  for (std::size_t i = 0; i < message.data.size(); i += 1009) {
+    const auto light = [&](std::size_t c) {
+      return LinearFromSrgb(colour.pixels[3 * i + c] / 255.0);
+    };
+    const double luminance = 0.2126 * light(0) + 0.7152 * light(1) + 0.0722 * light(2);
+    // The colours were rounded: half a grey level each.
+    EXPECT_NEAR(message.data[i], 255 * SrgbFromLinear(luminance), 1.1) << i;
+  }
+  EXPECT_EQ(AsReceived(grey, format).pixels[3], message.data[1]);
+  const image_t jpeg = EncodeFrame(RgbImage(grey), 5, {.is_grey = true, .jpeg_quality = 95});
+  EXPECT_EQ(jpeg.pixelformat, image_t::PIXEL_FORMAT_MJPEG);
+}
+
 }  // namespace
 }  // namespace windhover
