@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/geometry/rotation.h"
+#include "render/daylight.h"
 #include "render/image_environment.h"
 #include "render/outdoor_environment.h"
 
@@ -35,6 +36,10 @@ class PlacedEnvironment final : public Environment {
     for (Vector3f& l : light) l *= brightness_;
   }
 
+  Vector3f AirLight(const Vector3f& d_W) const override {
+    return inner_->AirLight(R_inner_W_ * d_W) * brightness_;
+  }
+
  private:
   std::unique_ptr<Environment> inner_;
   float brightness_;
@@ -59,6 +64,15 @@ std::array<float, 9> Harmonics(const Vector3f& n) {
 void Environment::FillRadiance(std::span<const Vector3f> d_W, float footprint_rad,
                                std::span<Vector3f> light) const {
   for (std::size_t i = 0; i < d_W.size(); ++i) light[i] = Radiance(d_W[i], footprint_rad);
+}
+
+Vector3f Environment::AirLight(const Vector3f&) const {
+  constexpr int kDirections = 24;
+  Vector3f sum = Vector3f::Zero();
+  for (int i = 0; i < kDirections; ++i) {
+    sum += Radiance(DirectionFromAngles(i * 360.0 / kDirections, 7), /*footprint_rad=*/0.2f);
+  }
+  return (sum / kDirections).cwiseMin(1);
 }
 
 Vector3f DirectionFromAngles(double azimuth_deg, double elevation_deg) {
@@ -106,9 +120,8 @@ SkyLight::SkyLight(const EnvironmentConfig& config, const Environment& environme
       mean += light / static_cast<float>(4 * EIGEN_PI);
     }
   }
-  // A clear sun gives about twice the light of the rest; it fades as it sets.
-  const float up = std::fmin(std::fmax(sun_direction_W_.z() * 5, 0.0f), 1.0f);
-  sun_radiance_ = Vector3f(1.0f, 0.95f, 0.86f) * (2 * mean.mean() * up);
+  const Daylight daylight(config);
+  sun_radiance_ = daylight.sun_colour * (2 * mean.mean() * daylight.sun_share);
 }
 
 Vector3f SkyLight::AmbientRadiance(const Vector3f& n_W) const {

@@ -24,6 +24,9 @@ class Environment {
   /// bits; what none of them can see costs nothing.
   virtual void FillRadiance(std::span<const Eigen::Vector3f> d_W, float footprint_rad,
                             std::span<Eigen::Vector3f> light) const;
+
+  /// What the air far away looks like towards `d_W`; here: the mean of what is above the horizon.
+  virtual Eigen::Vector3f AirLight(const Eigen::Vector3f& d_W) const;
 };
 
 /// @throws ConfigError `where: …` if the image of a panorama or photo cannot be used.
@@ -32,7 +35,8 @@ std::unique_ptr<Environment> MakeEnvironment(const EnvironmentConfig& config);
 /// Light on a diffuse surface, from the sun and from everything else around.
 class SkyLight {
  public:
-  /// The sun of `config` and the mean radiance of `environment`.
+  /// The sun of `config` (render/daylight.h), which by day gives about twice the light of all the
+  /// rest of `environment`.
   SkyLight(const EnvironmentConfig& config, const Environment& environment);
 
   const Eigen::Vector3f& SunDirection_W() const { return sun_direction_W_; }

@@ -53,17 +53,12 @@ using Ground = std::function<Vector3f(const GroundPoint&)>;
 class OutdoorEnvironment final : public Environment {
  public:
   OutdoorEnvironment(const EnvironmentConfig& config, float eye_height_m, Ground ground)
-      : eye_height_m_(eye_height_m), ground_(std::move(ground)) {
-    // The scene is turned by yaw_deg afterwards; the sun's azimuth is in W.
-    sky_.sun_direction_W =
-        DirectionFromAngles(config.sun_azimuth_deg - config.yaw_deg, config.sun_elevation_deg);
-  }
+      : daylight_(config), eye_height_m_(eye_height_m), ground_(std::move(ground)) {}
 
   template <typename Layer>
   void Add(const Layer& layer) {
     layers_.push_back(std::make_unique<Placed<Layer>>(layer));
   }
-  Sky& sky() { return sky_; }
 
   Vector3f Radiance(const Vector3f& d_W, float footprint_rad) const override {
     Vector3f light;
@@ -76,12 +71,16 @@ class OutdoorEnvironment final : public Environment {
     std::vector<SceneRay> rays;
     rays.reserve(d_W.size());
     for (const Vector3f& d : d_W) {
-      const float level = std::sqrt(d.x() * d.x() + d.y() * d.y());
-      rays.push_back({d, std::atan2(d.y(), d.x()), d.z() / std::max(level, 1e-4f), footprint_rad,
-                      eye_height_m_});
+      const float level = std::max(std::sqrt(d.x() * d.x() + d.y() * d.y()), 1e-4f);
+      rays.push_back({d, std::atan2(d.y(), d.x()), d.z() / level, footprint_rad, eye_height_m_,
+                      &daylight_, daylight_.AirLight(d.head<2>() / level)});
     }
     const std::vector<const Thing*> in_view = ThingsIn(SceneBounds(rays));
     for (std::size_t i = 0; i < rays.size(); ++i) light[i] = Look(rays[i], in_view);
+  }
+
+  Vector3f AirLight(const Vector3f& d_W) const override {
+    return daylight_.AirLight(d_W.head<2>() / std::max(d_W.head<2>().norm(), 1e-4f));
   }
 
  private:
@@ -90,7 +89,7 @@ class OutdoorEnvironment final : public Environment {
     const Vector2f sight = ray.d_W.head<2>() / std::max(ray.d_W.head<2>().norm(), 1e-4f);
     const GroundPoint point{distance * sight, distance * ray.footprint_rad,
                             distance * distance / eye_height_m_ * ray.footprint_rad, sight};
-    return Hazed(ground_(point), distance);
+    return ray.Lit(ground_(point), distance);
   }
 
   // The nearest first.
@@ -108,13 +107,13 @@ class OutdoorEnvironment final : public Environment {
       thing->Draw(ray, &seen);
       if (seen.IsEnough()) return seen.colour();
     }
-    seen.Add(ray.d_W.z() < -1e-4f ? GroundColour(ray) : sky_.Radiance(ray), 1);
+    seen.Add(ray.d_W.z() < -1e-4f ? GroundColour(ray) : SkyRadiance(ray), 1);
     return seen.colour();
   }
 
+  Daylight daylight_;
   float eye_height_m_;
   Ground ground_;
-  Sky sky_;
   std::vector<std::unique_ptr<const Thing>> layers_;
 };
 
@@ -236,7 +235,6 @@ std::unique_ptr<OutdoorEnvironment> MakePlayground(const EnvironmentConfig& conf
 
 std::unique_ptr<OutdoorEnvironment> MakeForest(const EnvironmentConfig& config) {
   auto scene = std::make_unique<OutdoorEnvironment>(config, /*eye_height_m=*/6, ForestGround);
-  scene->sky().cloud_cover = 0.8f;
   scene->Add(TreeRow{150, 6, 16, 24, 0.05f, kDarkLeaf, 81});
   scene->Add(TreeRow{95, 6, 13, 21, 0.15f, kLeaf * 0.8f, 82});
   scene->Add(TreeRow{65, 6, 10, 18, 0.25f, kDarkLeaf, 83});

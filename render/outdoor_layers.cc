@@ -38,13 +38,25 @@ float SidewaysOf(const SceneRay& ray, float azimuth_deg, float distance_m) {
   return Folded(azimuth_deg * kPi / 180 - ray.azimuth_rad) * distance_m;
 }
 
+// Where the sun shines from on what a ray meets: its part to the left and ahead, 0 without sun.
+struct SunSide {
+  explicit SunSide(const SceneRay& ray) {
+    const Vector3f& sun = ray.daylight->sun_direction;
+    const float level = std::max(ray.d_W.head<2>().norm(), 1e-4f);
+    left = ray.daylight->sun_share * (ray.d_W.x() * sun.y() - ray.d_W.y() * sun.x()) / level;
+    ahead = ray.daylight->sun_share * (ray.d_W.x() * sun.x() + ray.d_W.y() * sun.y()) / level;
+  }
+  float left, ahead;
+};
+
 // The leaves of a tree.
 struct Crown {
   float middle_z, radius_x, radius_z;
 };
 
-void AddCrown(const TreeRow& row, int index, const Crown& crown, float x, float z, float footprint,
-              Seen* seen) {
+void AddCrown(const TreeRow& row, int index, const SceneRay& ray, const Crown& crown, float x,
+              float z, Seen* seen) {
+  const float footprint = ray.footprint_rad * row.distance_m;
   const float u = x / crown.radius_x, v = (z - crown.middle_z) / crown.radius_z;
   const float r = std::sqrt(u * u + v * v);
   if (r > 1.35f) return;
@@ -59,25 +71,28 @@ void AddCrown(const TreeRow& row, int index, const Crown& crown, float x, float 
   const float coverage = SmoothStep(-soft, soft, edge);
   if (coverage <= 0) return;
   const float relief = std::max(boughs + 0.9f * leaves - 0.1f, 0.0f);
-  const float light = (0.5f + 0.35f * v - 0.2f * u) * relief * relief * 4.5f + 0.05f;
+  const SunSide sun(ray);
+  const float light =
+      (0.5f + 0.35f * v + 0.3f * sun.left * u - 0.12f * sun.ahead) * relief * relief * 4.5f + 0.05f;
   const float tint = 0.8f + 0.4f * CellHash(index, 3, row.seed);
   const Vector3f leaf = row.leaf_colour.cwiseProduct(Vector3f(tint, 1, 2 - tint)) * light * 2;
-  seen->Add(Hazed(leaf, row.distance_m), coverage);
+  seen->Add(ray.Lit(leaf, row.distance_m), coverage);
 }
 
-void DrawTree(const TreeRow& row, int index, float x, float z, float footprint, Seen* seen) {
+void DrawTree(const TreeRow& row, int index, const SceneRay& ray, float x, float z, Seen* seen) {
   const float height =
       row.min_height_m + (row.max_height_m - row.min_height_m) * CellHash(index, 1, row.seed);
   const float bottom = height * row.trunk_share;
   const float radius_z = (height - bottom) / 2;
   const float radius_x = radius_z * (0.55f + 0.35f * CellHash(index, 2, row.seed));
-  AddCrown(row, index, {bottom + radius_z, radius_x, radius_z}, x, z, footprint, seen);
+  AddCrown(row, index, ray, {bottom + radius_z, radius_x, radius_z}, x, z, seen);
   if (seen->IsEnough()) return;
   const float trunk = height * 0.018f;
+  const float footprint = ray.footprint_rad * row.distance_m;
   const float bark =
       BandCoverage(x, -trunk, trunk, footprint) * BandCoverage(z, 0, height * 0.7f, footprint);
   if (bark <= 0) return;
-  seen->Add(Hazed(Vector3f(0.055f, 0.042f, 0.032f) * (1.1f + x / trunk * 0.4f), row.distance_m),
+  seen->Add(ray.Lit(Vector3f(0.055f, 0.042f, 0.032f) * (1.1f + x / trunk * 0.4f), row.distance_m),
             bark);
 }
 
@@ -132,34 +147,30 @@ bool SceneBounds::LooksTo(float azimuth_deg, float distance_m, float reach_m) co
   return std::abs(turn) <= half_width_rad_ + reach_m / distance_m + kRounding_rad;
 }
 
-Vector3f HazeColour() { return {0.58f, 0.66f, 0.76f}; }
-
-Vector3f Hazed(const Vector3f& colour, float distance_m) {
-  const float clear = std::exp(-distance_m / 2500);
-  return clear * colour + (1 - clear) * HazeColour();
-}
-
-Vector3f Sky::Radiance(const SceneRay& ray) const {
-  const float up = std::max(ray.d_W.z(), 0.0f);
-  const Vector3f zenith(0.13f, 0.27f, 0.58f);
-  Vector3f colour = zenith + (HazeColour() - zenith) * std::pow(1 - up, 5.0f);
+Vector3f SkyRadiance(const SceneRay& ray) {
+  const Daylight& day = *ray.daylight;
+  const float up = std::max(ray.d_W.z(), 0.0f), rest = 1 - up;
+  Vector3f colour = day.zenith + (ray.air - day.zenith) * (rest * rest * rest * rest * rest);
   if (ray.d_W.z() > 0.01f) {
     // A layer of clouds, flattened towards the horizon as by perspective.
     const float scale = 1.4f / (ray.d_W.z() + 0.12f);
     const float x = ray.d_W.x() * scale, y = ray.d_W.y() * scale;
     const float footprint = ray.footprint_rad * scale * 4;
     const float density = FractalNoise(x * 2.2f, y * 2.2f, 7, footprint, 101);
-    const float thick = SmoothStep(0.62f - 0.3f * cloud_cover, 0.86f - 0.3f * cloud_cover, density);
+    const float from = 0.62f - 0.3f * day.clouds;
+    const float thick = SmoothStep(from, from + 0.24f, density) * SmoothStep(0, 0.3f, day.clouds);
     const float shade = FractalNoise(x * 2.2f + 0.15f, y * 2.2f + 0.1f, 5, footprint, 101);
-    const Vector3f cloud = Vector3f(0.86f, 0.87f, 0.89f) * (1.22f - 0.55f * shade);
+    const Vector3f cloud = day.cloud_light * (1.22f - (0.55f - 0.3f * day.overcast) * shade);
     Blend(cloud, thick * SmoothStep(0.01f, 0.09f, ray.d_W.z()), &colour);
   }
-  const float to_sun = std::max(ray.d_W.dot(sun_direction_W), 0.0f);
-  colour += Vector3f(1, 0.9f, 0.7f) * (0.25f * std::pow(to_sun, 60.0f));
+  const float to_sun = std::max(ray.d_W.dot(day.sun_direction), 0.0f);
+  const float clear = 1 - day.overcast;
+  colour += day.sun_colour * (clear * (0.25f + 0.2f * day.dusk) * std::pow(to_sun, 60.0f));
+  colour += day.sun_colour * (0.3f * day.dusk * day.surface_light.x() * std::pow(to_sun, 8.0f));
   // 0.5° across.
-  const float sun = SmoothStep(0, 1, 0.5f + (to_sun - 0.99996f) / (0.009f * ray.footprint_rad));
-  Blend(Vector3f::Constant(4), sun, &colour);
-  return colour;
+  const float disc = SmoothStep(0, 1, 0.5f + (to_sun - 0.99996f) / (0.009f * ray.footprint_rad));
+  Blend(4 * day.sun_colour, disc * clear, &colour);
+  return ray.air + day.ThroughFog(ray.d_W.z()) * (colour - ray.air);
 }
 
 bool TreeRow::CanBeIn(const SceneBounds& bounds) const {
@@ -170,12 +181,11 @@ void TreeRow::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -0.5f || z > max_height_m * 1.3f) return;
   const RingCell cell = CellOf(ray, distance_m, spacing_m);
-  const float footprint = ray.footprint_rad * distance_m;
   for (const int step : {0, 1, -1}) {
     const int index = Wrapped(cell.index + step, cell.count);
     const float jitter = 0.7f * (CellHash(index, 0, seed) - 0.5f);
     const float x = (cell.place - static_cast<float>(step) - 0.5f - jitter) * spacing_m;
-    DrawTree(*this, index, x, z, footprint, seen);
+    DrawTree(*this, index, ray, x, z, seen);
     if (seen->IsEnough()) return;
   }
 }
@@ -201,9 +211,13 @@ void BuildingRow::Draw(const SceneRay& ray, Seen* seen) const {
                        BandCoverage(z, -1, height, footprint);
   if (inside <= 0) return;
   Vector3f wall = Facade(index, x - margin * plot_m, z, footprint, seed);
-  wall *= CellHash(index, 9, seed) < 0.5f ? 1.0f : 0.6f;  // Lit by the sun, or in the shade.
+  // Walls stand aslant: the sun is before some and behind others.
+  const float turn = 1.6f * (CellHash(index, 9, seed) - 0.5f);
+  const SunSide sun(ray);
+  const float facing = sun.left * std::sin(turn) - sun.ahead * std::cos(turn);
+  wall *= 0.75f + 0.25f * SmoothStep(0, 0.35f, facing) - 0.15f * SmoothStep(0, 0.35f, -facing);
   Blend(Vector3f(0.12f, 0.12f, 0.13f), BandCoverage(z, height - 0.5f, height, footprint), &wall);
-  seen->Add(Hazed(wall, distance_m), inside);
+  seen->Add(ray.Lit(wall, distance_m), inside);
 }
 
 bool Fence::CanBeIn(const SceneBounds& bounds) const {
@@ -221,12 +235,12 @@ void Fence::Draw(const SceneRay& ray, Seen* seen) const {
   const float post = StripeCoverage(x, spacing, 0.06f / spacing, footprint);
   const float rail = BandCoverage(z, height_m - 0.06f, height_m, footprint) +
                      BandCoverage(z, height_m / 2 - 0.03f, height_m / 2 + 0.03f, footprint);
-  seen->Add(Hazed(wire_colour * 1.3f, distance_m), within * std::min(post + rail, 1.0f));
+  seen->Add(ray.Lit(wire_colour * 1.3f, distance_m), within * std::min(post + rail, 1.0f));
   // Diamonds of wire, 5 cm wide: two families of diagonals.
   constexpr float kMesh_m = 0.07f, kWire_share = 0.07f;
   const float wires = 1 - (1 - StripeCoverage(x + z, kMesh_m, kWire_share, footprint * 1.4f)) *
                               (1 - StripeCoverage(x - z, kMesh_m, kWire_share, footprint * 1.4f));
-  seen->Add(Hazed(wire_colour, distance_m), within * wires);
+  seen->Add(ray.Lit(wire_colour, distance_m), within * wires);
 }
 
 bool Mast::CanBeIn(const SceneBounds& bounds) const {
@@ -246,8 +260,8 @@ void Mast::Draw(const SceneRay& ray, Seen* seen) const {
                      BandCoverage(z, height_m, height_m + head_height_m, footprint);
   const float lamps = StripeCoverage(x, head_width_m / 4, 0.7f, footprint) *
                       StripeCoverage(z - height_m, head_height_m / 2, 0.7f, footprint);
-  seen->Add(Hazed(colour * 0.6f + lamps * Vector3f::Constant(0.5f), distance_m), head);
-  seen->Add(Hazed(colour, distance_m), pole);
+  seen->Add(ray.Lit(colour * 0.6f + lamps * Vector3f::Constant(0.5f), distance_m), head);
+  seen->Add(ray.Lit(colour, distance_m), pole);
 }
 
 bool Hoop::CanBeIn(const SceneBounds& bounds) const {

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "render/daylight.h"
+
 namespace windhover {
 
 // What procedural outdoor scenes are made of. All lengths in metres; z is above the ground.
@@ -17,9 +19,15 @@ struct SceneRay {
   float slope;  ///< tan of the elevation.
   float footprint_rad;
   float eye_height_m;
+  const Daylight* daylight;
+  Eigen::Vector3f air;  ///< What the air far away looks like there.
 
   /// Height above the ground at horizontal distance `distance_m`.
   float HeightAt(float distance_m) const { return eye_height_m + distance_m * slope; }
+  /// A surface that has `colour` at noon, at this hour and through the air.
+  Eigen::Vector3f Lit(const Eigen::Vector3f& colour, float distance_m) const {
+    return daylight->haze.Through(colour.cwiseProduct(daylight->surface_light), air, distance_m);
+  }
 };
 
 /// What many rays from one eye may meet.
@@ -38,12 +46,6 @@ class SceneBounds {
 };
 
 // Each layer says by `CanBeIn` whether `Draw` can add anything for any ray within bounds.
-
-/// Colour of the air far away, towards which distance fades everything.
-Eigen::Vector3f HazeColour();
-
-/// `colour` seen through `distance_m` of air.
-Eigen::Vector3f Hazed(const Eigen::Vector3f& colour, float distance_m);
 
 /// `over` in front of `*colour`, opaque for coverage 1.
 inline void Blend(const Eigen::Vector3f& over, float coverage, Eigen::Vector3f* colour) {
@@ -66,12 +68,8 @@ class Seen {
   float clear_ = 1;
 };
 
-/// Blue sky with clouds and a sun.
-struct Sky {
-  Eigen::Vector3f sun_direction_W;
-  float cloud_cover = 0.5f;
-  Eigen::Vector3f Radiance(const SceneRay& ray) const;
-};
+/// Sky with clouds and a sun.
+Eigen::Vector3f SkyRadiance(const SceneRay& ray);
 
 /// A ring of trees.
 struct TreeRow {

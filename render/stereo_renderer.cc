@@ -31,6 +31,7 @@ StereoRenderer::StereoRenderer(const Scenario& scenario, const std::vector<int>&
       geometry_(scenario, observers),
       environment_(MakeEnvironment(scenario.environment)),
       light_(scenario.environment, *environment_),
+      haze_(scenario.environment.visibility_m),
       map_(*environment_, scenario.rig.calibrated.FocalPx()),
       sensor_(scenario.sensor),
       passes_(static_cast<std::size_t>(threads_)) {
@@ -58,6 +59,11 @@ void StereoRenderer::ShadeTargets(const world_truth_t& world, StereoView* observ
     const PreparedModel& model = models_.at(&shape);
     const DetailLevel& level = model.LevelFor(target.depth_m, scenario_.rig.calibrated.FocalPx());
     observer->shaded[k] = Shade(model, level, PoseAt(world.uavs[i], 0).linear(), light_);
+    const Eigen::Vector3d sight_W = PoseAt(world.uavs[i], 0).translation() -
+                                    PoseAt(world.uavs[observer->rig.position], 0).translation();
+    const Eigen::Vector3f air = environment_->AirLight(sight_W.normalized().cast<float>());
+    haze_.Veil(air, static_cast<float>(target.range_m), observer->shaded[k].body_light);
+    haze_.Veil(air, static_cast<float>(target.range_m), observer->shaded[k].disc_light);
   }
 }
 

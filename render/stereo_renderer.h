@@ -7,6 +7,7 @@
 #include "common/image/rgb_image.h"
 #include "lcmtypes/annotation_t.hpp"
 #include "render/environment.h"
+#include "render/haze.h"
 #include "render/prepared_model.h"
 #include "render/sensor.h"
 #include "render/stereo_view.h"
@@ -63,6 +64,7 @@ class StereoRenderer {
   SceneGeometry geometry_;
   std::unique_ptr<Environment> environment_;
   SkyLight light_;
+  Haze haze_;
   RadianceMap map_;
   Sensor sensor_;
   std::map<const AircraftShape*, PreparedModel> models_;

@@ -168,15 +168,27 @@ std::vector<Waypoint> FlyPath(const TargetPath& path, const Eigen::Isometry3d& X
   return waypoints;
 }
 
-void ChooseSurroundings(Split split, int flight, RandomStream* random, EnvironmentConfig* out) {
+// The split says what is around; what `randomize` draws stays as drawn.
+void ChooseSurroundings(const std::vector<RandomizedKey>& drawn, Split split, int flight,
+                        RandomStream* random, EnvironmentConfig* out) {
   if (out->type == EnvironmentType::kPanorama || out->type == EnvironmentType::kPhoto) return;
   constexpr std::array kTrain = {EnvironmentType::kBuildings, EnvironmentType::kForest,
                                  EnvironmentType::kPlayground};
   out->type = split == Split::kTrain ? kTrain[static_cast<std::size_t>(flight) % kTrain.size()]
                                      : EnvironmentType::kBasketballCourt;
-  out->yaw_deg = random->Uniform(-180, 180);
-  out->sun_azimuth_deg = random->Uniform(-180, 180);
-  out->sun_elevation_deg = random->Uniform(25, 65);
+  const auto draw = [&](const char* key, double low, double high, double* value) {
+    const double found = random->Uniform(low, high);
+    const bool is_drawn = std::any_of(drawn.begin(), drawn.end(), [&](const RandomizedKey& one) {
+      return one.key == fmt::format("environment.{}", key);
+    });
+    if (!is_drawn) *value = found;
+  };
+  draw("yaw_deg", -180, 180, &out->yaw_deg);
+  draw("sun_azimuth_deg", -180, 180, &out->sun_azimuth_deg);
+  draw("sun_elevation_deg", 5, 65, &out->sun_elevation_deg);
+  draw("cloud_cover", 0, 1, &out->cloud_cover);
+  draw("visibility_m", 2000, 20000, &out->visibility_m);
+  draw("brightness", 0.8, 1.2, &out->brightness);
 }
 
 }  // namespace
@@ -199,7 +211,7 @@ Scenario DatasetFlight(const Scenario& base, Split split, int flight, std::uint6
   target.waypoints = FlyPath(path, PoseOf(observer) * scenario.rig.calibrated.X_BR(),
                              scenario.duration_s, &random);
   target.position_m = target.waypoints.front().position_m;
-  ChooseSurroundings(split, flight, &random, &scenario.environment);
+  ChooseSurroundings(base.randomize, split, flight, &random, &scenario.environment);
   scenario.aircraft = {observer, std::move(target)};
   scenario.expect.clear();
   return scenario;

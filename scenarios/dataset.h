@@ -15,7 +15,8 @@ namespace windhover {
 /// P600 and an orange M200 stand in for those that `base` lacks. The target goes between
 /// `nearest_m` and `farthest_m` such that equal times pass in equal shares of the wanted
 /// distances, wanders through the part of the view in which both cameras see all of it, and tilts
-/// by accelerating. Training flights are over other surroundings than the rest, as in UAVDE.
+/// by accelerating. Training flights are over other surroundings than the rest, as in UAVDE; every
+/// flight has light and air of its own.
 /// @pre 0 <= flight < base.dataset.Of(split).flights
 Scenario DatasetFlight(const Scenario& base, Split split, int flight, std::uint64_t seed);
 

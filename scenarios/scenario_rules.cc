@@ -88,10 +88,12 @@ class RuleChecker {
     CheckFile("vibration.file", vibration.file, vibration.source == VibrationSource::kRecorded,
               "for source recorded", "vibration.source");
     const EnvironmentConfig& environment = scenario_.environment;
-    const bool is_image = environment.type == EnvironmentType::kPanorama ||
-                          environment.type == EnvironmentType::kPhoto;
-    CheckFile("environment.file", environment.file, is_image, "for types panorama and photo",
-              "environment.type");
+    CheckFile("environment.file", environment.file, IsImage(environment.type),
+              "for types panorama and photo", "environment.type");
+  }
+
+  static bool IsImage(EnvironmentType type) {
+    return type == EnvironmentType::kPanorama || type == EnvironmentType::kPhoto;
   }
 
   void CheckTimes() {
@@ -179,6 +181,11 @@ class RuleChecker {
     if (scenario_.exposure.shutter != Shutter::kRolling) {
       MustBeLeftOut("exposure.row_time_us", WriteValue(scenario_.exposure.row_time_us),
                     WriteValue(ExposureConfig{}.row_time_us), "exposure.shutter", "rolling");
+    }
+    if (IsImage(scenario_.environment.type)) {
+      MustBeLeftOut("environment.cloud_cover", WriteValue(scenario_.environment.cloud_cover),
+                    WriteValue(EnvironmentConfig{}.cloud_cover), "environment.type",
+                    "a drawn scene");
     }
   }
 

@@ -1,5 +1,6 @@
 #include "render/environment.h"
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "render/haze.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
@@ -83,6 +85,113 @@ TEST_P(Procedural, IsTheSameTogetherAsAlone) {
       }
     }
   }
+}
+
+TEST_P(Procedural, IsFiniteInAnyWeatherAtAnyHour) {
+  for (const double cloud_cover : {0.0, 0.3, 0.5, 0.8, 1.0}) {
+    for (const double sun_deg : {-90.0, -8.0, -3.0, 0.0, 5.0, 9.0, 50.0, 90.0}) {
+      for (const double visibility_m : {50.0, 1e4, 1e6}) {
+        EnvironmentConfig config = OfType(GetParam());
+        config.cloud_cover = cloud_cover;
+        config.sun_elevation_deg = sun_deg;
+        config.visibility_m = visibility_m;
+        const auto environment = MakeEnvironment(config);
+        const SkyLight light(config, *environment);
+        ASSERT_TRUE(light.SunRadiance().allFinite());
+        ASSERT_GE(light.SunRadiance().minCoeff(), 0);
+        for (int elevation = -90; elevation <= 90; elevation += 15) {
+          for (int azimuth = -180; azimuth <= 180; azimuth += 20) {
+            const Eigen::Vector3f d_W = DirectionFromAngles(azimuth, elevation);
+            ASSERT_TRUE(environment->Radiance(d_W, kFootprint_rad).allFinite());
+            ASSERT_GE(environment->Radiance(d_W, kFootprint_rad).minCoeff(), 0);
+            ASSERT_GE(environment->AirLight(d_W).minCoeff(), 0);
+          }
+        }
+      }
+    }
+  }
+}
+
+// At 50 m of visibility nothing of a scene's rings, all beyond 90 m, has a thousandth of its
+// contrast left: 0.02^(90/50) = 9e-4. (Forest and court begin nearer.)
+TEST(Weather, FogHidesAllThatIsFar) {
+  EnvironmentConfig config = OfType(EnvironmentType::kPlayground);
+  config.visibility_m = 50;
+  const auto environment = MakeEnvironment(config);
+  for (int azimuth = -180; azimuth < 180; azimuth += 5) {
+    const Eigen::Vector3f d_W = DirectionFromAngles(azimuth, 1);
+    EXPECT_LT((environment->Radiance(d_W, kFootprint_rad) - environment->AirLight(d_W)).norm(),
+              1e-3f);
+  }
+}
+
+TEST(Weather, AnOvercastSkyHasNoSun) {
+  EnvironmentConfig config = OfType(EnvironmentType::kPlayground);
+  const Eigen::Vector3f to_sun =
+      DirectionFromAngles(config.sun_azimuth_deg, config.sun_elevation_deg);
+  const Eigen::Vector3f beside =
+      DirectionFromAngles(config.sun_azimuth_deg + 5, config.sun_elevation_deg);
+  const auto clear = MakeEnvironment(config);
+  EXPECT_GT(clear->Radiance(to_sun, kFootprint_rad).minCoeff(), 3);
+  config.cloud_cover = 1;
+  const auto overcast = MakeEnvironment(config);
+  const SkyLight light(config, *overcast);
+  EXPECT_EQ(light.SunRadiance().maxCoeff(), 0);
+  // Clouds differ by a fifth at most.
+  EXPECT_NEAR(overcast->Radiance(to_sun, kFootprint_rad).mean() /
+                  overcast->Radiance(beside, kFootprint_rad).mean(),
+              1, 0.2);
+  const Eigen::Vector3f sky = overcast->Radiance({0, 0, 1}, kFootprint_rad);
+  EXPECT_LT(sky.maxCoeff() / sky.minCoeff(), 1.15f);  // Grey.
+}
+
+TEST(Weather, TheSunFadesAndReddensAsItSets) {
+  EnvironmentConfig config = OfType(EnvironmentType::kBuildings);
+  float brightest = 0, reddest = 1e9f;
+  for (const double sun_deg : {0.5, 2.0, 4.0, 7.0, 10.0}) {
+    config.sun_elevation_deg = sun_deg;
+    const SkyLight light(config, *MakeEnvironment(config));
+    EXPECT_GT(light.SunRadiance().mean(), brightest) << sun_deg;
+    EXPECT_LT(light.SunRadiance().x() / light.SunRadiance().z(), reddest) << sun_deg;
+    brightest = light.SunRadiance().mean();
+    reddest = light.SunRadiance().x() / light.SunRadiance().z();
+  }
+  config.sun_elevation_deg = -1;
+  EXPECT_EQ(SkyLight(config, *MakeEnvironment(config)).SunRadiance().maxCoeff(), 0);
+}
+
+TEST(Weather, DuskIsWarmTowardsTheSunAndBlueHourIsDim) {
+  EnvironmentConfig config = OfType(EnvironmentType::kPlayground);
+  config.cloud_cover = 0;
+  config.sun_elevation_deg = 1;
+  const auto dusk = MakeEnvironment(config);
+  const auto warmth = [&](const Environment& environment, double azimuth_deg) {
+    const Eigen::Vector3f sky =
+        environment.Radiance(DirectionFromAngles(azimuth_deg, 15), kFootprint_rad);
+    return sky.x() / sky.z();
+  };
+  EXPECT_GT(warmth(*dusk, config.sun_azimuth_deg), 1.2f);
+  EXPECT_GT(warmth(*dusk, config.sun_azimuth_deg),
+            1.3f * warmth(*dusk, config.sun_azimuth_deg + 180));
+  const Eigen::Vector3f up(0, 0, 1);
+  const float dusk_light = SkyLight(config, *dusk).AmbientRadiance(up).mean();
+  config.sun_elevation_deg = -8;
+  const auto night = MakeEnvironment(config);
+  const float night_light = SkyLight(config, *night).AmbientRadiance(up).mean();
+  EXPECT_LT(night_light, 0.6f * dusk_light);
+  EXPECT_GT(night_light, 0.03f);  // A picture still shows something.
+}
+
+TEST(Haze, LeavesTwoPercentAtTheVisibility) {
+  const Haze haze(800);
+  EXPECT_NEAR(haze.Clear(800), 0.02f, 1e-6f);
+  EXPECT_NEAR(haze.Clear(400), std::sqrt(0.02f), 1e-6f);
+  EXPECT_EQ(haze.Clear(0), 1);
+  const Eigen::Vector3f air(0.5f, 0.6f, 0.7f);
+  EXPECT_TRUE(haze.Through({0, 0, 0}, air, 800).isApprox(0.98f * air, 1e-5f));
+  std::array lights = {Eigen::Vector3f(1, 1, 1), Eigen::Vector3f(0, 0, 0)};
+  haze.Veil(air, 400, lights);
+  EXPECT_NEAR((lights[0] - lights[1]).x(), std::sqrt(0.02f), 1e-6f);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Procedural,

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/image/srgb.h"
 #include "tests/render/render_examples.h"
 
 namespace windhover {
@@ -165,6 +166,34 @@ TEST(StereoRenderer, RefusesAForeignWorld) {
   world.uavs.pop_back();
   world.n_uavs = 3;
   EXPECT_THROW(Render(ExampleScenario(Observe::kImage), {0}, 1, world), std::runtime_error);
+}
+
+// Linear light of the darkest pixel in the box of the target 12 m ahead.
+double Darkest(const RenderedPair& pair) {
+  const image_box_t& box = pair.annotation.targets[0].left.visible;
+  double darkest = 255;
+  for (int y = static_cast<int>(box.y_px - box.h_px / 2); y <= box.y_px + box.h_px / 2; ++y) {
+    for (int x = static_cast<int>(box.x_px - box.w_px / 2); x <= box.x_px + box.w_px / 2; ++x) {
+      darkest = std::min<double>(darkest, pair.left.Row(y)[3 * x + 1]);
+    }
+  }
+  return LinearFromSrgb(darkest / 255);
+}
+
+// Fog of 50 m leaves 0.02^(12/50) = 39 % of what is 12 m away; the rest is air.
+TEST(StereoRenderer, VeilsAircraftByTheirDistance) {
+  Scenario scenario = ExampleScenario(Observe::kImage);
+  scenario.sensor.noise = false;
+  scenario.environment.visibility_m = 1e6;
+  const double clear = Darkest(Render(scenario, {0}, 2, ExampleWorld())[0]);
+  scenario.environment.visibility_m = 50;
+  const auto environment = MakeEnvironment(scenario.environment);
+  const double air = environment->AirLight({1, 0, 0}).y(), left = std::pow(0.02, 12.0 / 50);
+  EXPECT_LT(clear, 0.1);
+  // What fog does to the light on the aircraft is at most to double it.
+  const double fogged = Darkest(Render(scenario, {0}, 2, ExampleWorld())[0]);
+  EXPECT_GT(fogged, (1 - left) * air - 0.02);
+  EXPECT_LT(fogged, (1 - left) * air + 2 * left * clear + 0.02);
 }
 
 }  // namespace

@@ -167,5 +167,29 @@ TEST(Dataset, PretrainDrawsEveryFlightAnew) {
   EXPECT_GE(sections.size(), 3U);
 }
 
+// Light and air are each flight's own, by its seed, but for what `randomize` draws.
+TEST(Dataset, LooksOfFlightsDiffer) {
+  Scenario base = Preset("uavde_12mm");
+  std::set<double> yaws, suns, covers, visibilities, levels;
+  for (int i = 0; i < 12; ++i) {
+    const EnvironmentConfig look = DatasetFlight(base, Split::kTrain, i, 1).environment;
+    yaws.insert(look.yaw_deg);
+    suns.insert(look.sun_elevation_deg);
+    covers.insert(look.cloud_cover);
+    visibilities.insert(look.visibility_m);
+    levels.insert(look.brightness);
+  }
+  for (const auto& drawn : {yaws, suns, covers, visibilities, levels}) {
+    EXPECT_EQ(drawn.size(), 12U);
+  }
+  EXPECT_GE(*visibilities.begin(), 2000);
+  base.randomize = {{.key = "environment.visibility_m", .min = 100, .max = 200, .one_of = {}}};
+  const EnvironmentConfig look = DatasetFlight(base, Split::kTrain, 0, 1).environment;
+  EXPECT_GE(look.visibility_m, 100);
+  EXPECT_LE(look.visibility_m, 200);
+  EXPECT_EQ(look.cloud_cover,
+            DatasetFlight(Preset("uavde_12mm"), Split::kTrain, 0, 1).environment.cloud_cover);
+}
+
 }  // namespace
 }  // namespace windhover

@@ -172,6 +172,9 @@ TEST(Scenario, KeysThatNothingReadsMustBeLeftOut) {
                                     "unless sensor.model is emva1288 (found '0.02')"),
                           HasSubstr("s.yaml:6:25: exposure.row_time_us: must be left out (or 44) "
                                     "unless exposure.shutter is rolling (found '20')")));
+  EXPECT_THAT(ErrorsOf(kValid + "environment: {type: photo, file: s.yaml, cloud_cover: 1}\n"),
+              Contains(HasSubstr("environment.cloud_cover: must be left out (or 0.5) unless "
+                                 "environment.type is a drawn scene (found '1')")));
   EXPECT_THAT(ErrorsOf(kValid + "sensor: {model: emva1288, emva: {prnu: 0.02}}\nexposure: "
                                 "{shutter: rolling, row_time_us: 20}\n"),
               testing::IsEmpty());
