@@ -137,8 +137,10 @@ Vector3f PlaygroundGround(const GroundPoint& g) {
   Vector3f colour = Grass(g);
   colour *= 0.85f + 0.3f * StripeCoverage(x, 10.0f, 0.5f, wide_x);  // Mown in stripes.
   const float track = BandCoverage(outside, 0, 8 * kLane_m, wide);
-  const float grain = FractalNoise(x * 2, y * 2, 4, footprint * 2, 33);
-  Blend(Vector3f(0.36f, 0.075f, 0.05f) * (0.75f + 0.5f * grain), track, &colour);
+  if (track > 0) {
+    const float grain = FractalNoise(x * 2, y * 2, 4, footprint * 2, 33);
+    Blend(Vector3f(0.36f, 0.075f, 0.05f) * (0.75f + 0.5f * grain), track, &colour);
+  }
   const float lines = StripeCoverage(outside + 0.025f, kLane_m, 0.05f / kLane_m, wide) *
                       BandCoverage(outside, -0.05f, 8 * kLane_m + 0.05f, wide);
   Blend(Vector3f::Constant(0.75f), lines, &colour);
@@ -170,10 +172,9 @@ Vector3f StreetGround(const GroundPoint& g) {
   const Vector3f asphalt = Vector3f(0.075f, 0.075f, 0.08f) * (0.6f + 0.8f * grain);
   Vector3f colour = Vector3f(0.27f, 0.26f, 0.245f) * (0.7f + 0.6f * grain);
   Blend(Vector3f::Constant(0.16f), 0.6f * StripeCoverage(g.p.x(), 2, 0.04f, wide.x()), &colour);
-  Blend(Grass(g),
-        StripeCoverage(g.p.x() + 8, 60, 0.27f, wide.x()) *
-            StripeCoverage(g.p.y() + 8, 60, 0.27f, wide.y()),
-        &colour);
+  const float lawn = StripeCoverage(g.p.x() + 8, 60, 0.27f, wide.x()) *
+                     StripeCoverage(g.p.y() + 8, 60, 0.27f, wide.y());
+  if (lawn > 0) Blend(Grass(g), lawn, &colour);
   for (const int axis : {0, 1}) {
     const float across = g.p[axis] - 30, along = g.p[1 - axis];
     Blend(asphalt, StripeCoverage(across + 5, 60, 10.f / 60, wide[axis]), &colour);
@@ -184,11 +185,13 @@ Vector3f StreetGround(const GroundPoint& g) {
   return colour;
 }
 
-// Courts of 28 × 15 m (FIBA), side by side every 20 m; the eye is above the middle of one.
+// Courts of 28 × 15 m (FIBA) in rows, every 36 m and 20 m, within a fence; the eye is above the
+// middle of one.
 Vector3f CourtGround(const GroundPoint& g) {
-  const float fp = g.Footprint(), x = g.p.x();
-  const float row = WholePart(g.p.y() / 20 + 0.5f);
-  const float y = g.p.y() - 20 * row;
+  if (g.p.squaredNorm() > 63 * 63) return Grass(g);
+  const float fp = g.Footprint();
+  const float x = g.p.x() - 36 * WholePart(g.p.x() / 36 + 0.5f);
+  const float y = g.p.y() - 20 * WholePart(g.p.y() / 20 + 0.5f);
   const float grain = FractalNoise(g.p.x() * 2, g.p.y() * 2, 5, fp * 2, 61);
   const float wide_x = g.Width({1, 0}), wide_y = g.Width({0, 1});
   const auto in_x = [&](float v, float low, float high) {
@@ -258,18 +261,23 @@ std::unique_ptr<OutdoorEnvironment> MakeBuildings(const EnvironmentConfig& confi
 
 std::unique_ptr<OutdoorEnvironment> MakeBasketballCourt(const EnvironmentConfig& config) {
   auto scene = std::make_unique<OutdoorEnvironment>(config, /*eye_height_m=*/3, CourtGround);
-  scene->Add(BuildingRow{110, 45, 12, 26, 0.35f, 95});
-  scene->Add(TreeRow{62, 7, 6, 11, 0.2f, kLeaf, 96});
-  scene->Add(Fence{42, 4, 3, {0.05f, 0.11f, 0.06f}});
+  scene->Add(BuildingRow{130, 45, 12, 26, 0.35f, 95});
+  scene->Add(TreeRow{80, 8, 6, 11, 0.2f, kLeaf, 96});
+  scene->Add(Fence{62, 4, 3, {0.05f, 0.11f, 0.06f}});
   for (const float azimuth : {-130.f, -50.f, 9.f, 50.f, 130.f}) {
-    scene->Add(Mast{azimuth, 36, 8, 0.09f, 1.2f, 0.3f, {0.25f, 0.26f, 0.28f}});
+    scene->Add(Mast{azimuth, 58, 9, 0.11f, 1.6f, 0.4f, {0.25f, 0.26f, 0.28f}});
   }
-  // Both baskets of the eye's own court and those of its neighbours.
-  for (const float azimuth : {0.f, 180.f}) {
-    for (const float side : {-40.f, -20.f, 20.f, 40.f, 0.f}) {
-      const float x = 13, angle = std::atan2(side, x) * 57.29578f;
-      scene->Add(Hoop{azimuth + angle, std::sqrt(x * x + side * side)});
+  // Baskets of the eye's own court and of its neighbours, the farthest first.
+  std::vector<Vector2f> baskets;
+  for (const float x : {-49.f, -23.f, -13.f, 13.f, 23.f, 49.f}) {
+    for (const float y : {-40.f, -20.f, 0.f, 20.f, 40.f}) {
+      if (std::hypot(x, y) < 57) baskets.emplace_back(x, y);
     }
+  }
+  std::stable_sort(baskets.begin(), baskets.end(),
+                   [](const Vector2f& p, const Vector2f& q) { return p.norm() > q.norm(); });
+  for (const Vector2f& p : baskets) {
+    scene->Add(Hoop{std::atan2(p.y(), p.x()) * 57.29578f, p.norm()});
   }
   return scene;
 }

@@ -1,7 +1,9 @@
 #include "render/outdoor_layers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "render/procedural_noise.h"
 
@@ -64,11 +66,12 @@ void AddCrown(const TreeRow& row, int index, const SceneRay& ray, const Crown& c
   constexpr float kBough_m = 1.6f, kLeaf_m = 0.22f;
   const auto own = row.seed + 17u * static_cast<unsigned>(index);
   const float boughs = FractalNoise(x / kBough_m, z / kBough_m, 5, footprint / kBough_m, own);
+  const float soft = std::max(footprint / crown.radius_x, 0.01f);
+  const float rough_edge = 1.05f - r + (boughs - 0.5f) * 0.9f;
+  if (rough_edge + 0.5f * 0.35f <= -soft) return;  // Whatever its leaves are.
   const float leaves =
       FractalNoise(x / kLeaf_m, z / kLeaf_m, 3, footprint / kLeaf_m, own + 5) - 0.5f;
-  const float edge = 1.05f - r + (boughs - 0.5f) * 0.9f + leaves * 0.35f;
-  const float soft = std::max(footprint / crown.radius_x, 0.01f);
-  const float coverage = SmoothStep(-soft, soft, edge);
+  const float coverage = SmoothStep(-soft, soft, rough_edge + leaves * 0.35f);
   if (coverage <= 0) return;
   const float relief = std::max(boughs + 0.9f * leaves - 0.1f, 0.0f);
   const SunSide sun(ray);
@@ -159,14 +162,18 @@ Vector3f SkyRadiance(const SceneRay& ray) {
     const float density = FractalNoise(x * 2.2f, y * 2.2f, 7, footprint, 101);
     const float from = 0.62f - 0.3f * day.clouds;
     const float thick = SmoothStep(from, from + 0.24f, density) * SmoothStep(0, 0.3f, day.clouds);
-    const float shade = FractalNoise(x * 2.2f + 0.15f, y * 2.2f + 0.1f, 5, footprint, 101);
-    const Vector3f cloud = day.cloud_light * (1.22f - (0.55f - 0.3f * day.overcast) * shade);
-    Blend(cloud, thick * SmoothStep(0.01f, 0.09f, ray.d_W.z()), &colour);
+    if (thick > 0) {
+      const float shade = FractalNoise(x * 2.2f + 0.15f, y * 2.2f + 0.1f, 5, footprint, 101);
+      const Vector3f cloud = day.cloud_light * (1.22f - (0.55f - 0.3f * day.overcast) * shade);
+      Blend(cloud, thick * SmoothStep(0.01f, 0.09f, ray.d_W.z()), &colour);
+    }
   }
   const float to_sun = std::max(ray.d_W.dot(day.sun_direction), 0.0f);
   const float clear = 1 - day.overcast;
-  colour += day.sun_colour * (clear * (0.25f + 0.2f * day.dusk) * std::pow(to_sun, 60.0f));
-  colour += day.sun_colour * (0.3f * day.dusk * day.surface_light.x() * std::pow(to_sun, 8.0f));
+  const float power2 = to_sun * to_sun, power4 = power2 * power2, power8 = power4 * power4;
+  const float power16 = power8 * power8, power60 = power16 * power16 * power16 * power8 * power4;
+  colour += day.sun_colour * (clear * (0.25f + 0.2f * day.dusk) * power60);
+  colour += day.sun_colour * (0.3f * day.dusk * day.surface_light.x() * power8);
   // 0.5° across.
   const float disc = SmoothStep(0, 1, 0.5f + (to_sun - 0.99996f) / (0.009f * ray.footprint_rad));
   Blend(4 * day.sun_colour, disc * clear, &colour);
@@ -177,16 +184,30 @@ bool TreeRow::CanBeIn(const SceneBounds& bounds) const {
   return bounds.Reaches(distance_m, -0.5f, max_height_m * 1.3f);
 }
 
+// Which tree is in front of which does not depend on where one looks.
 void TreeRow::Draw(const SceneRay& ray, Seen* seen) const {
   const float z = ray.HeightAt(distance_m);
   if (z < -0.5f || z > max_height_m * 1.3f) return;
   const RingCell cell = CellOf(ray, distance_m, spacing_m);
-  for (const int step : {0, 1, -1}) {
+  struct Candidate {
+    float order, x;
+    int index;
+  };
+  std::array<Candidate, 5> candidates;
+  std::size_t n = 0;
+  const float reach_m = 0.61f * max_height_m * (1 - trunk_share);
+  for (int step = -2; step <= 2; ++step) {
     const int index = Wrapped(cell.index + step, cell.count);
     const float jitter = 0.7f * (CellHash(index, 0, seed) - 0.5f);
     const float x = (cell.place - static_cast<float>(step) - 0.5f - jitter) * spacing_m;
-    DrawTree(*this, index, ray, x, z, seen);
-    if (seen->IsEnough()) return;
+    if (std::abs(x) > reach_m) continue;
+    candidates[n++] = {CellHash(index, 7, seed), x, index};
+    for (std::size_t k = n - 1; k > 0 && candidates[k].order < candidates[k - 1].order; --k) {
+      std::swap(candidates[k], candidates[k - 1]);
+    }
+  }
+  for (std::size_t k = 0; k < n && !seen->IsEnough(); ++k) {
+    DrawTree(*this, candidates[k].index, ray, candidates[k].x, z, seen);
   }
 }
 
