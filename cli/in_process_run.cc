@@ -80,8 +80,8 @@ RunSummary RunInOneProcess(const Scenario& given, const std::filesystem::path& r
   TickClient render_client(bus, "render-0", kRunId);
   TickClient estimator_client(bus, "estimator-0", kRunId);
   TickClient swarm_client(bus, "swarm-0", kRunId);
-  const RenderNode render(scenario, {}, options.threads, render_client, options.preview,
-                          run_dir / "frames");
+  RenderNode render(scenario, {}, options.threads, render_client,
+                    {.preview = options.preview, .frames_dir = run_dir / "frames"});
   const EstimatorNode estimator(config, {}, estimator_client);
   const SwarmNode swarm(config, {}, swarm_client);
   const RunOutcome outcome = sim.Run();

@@ -113,6 +113,7 @@ class ProcessRun {
                                           "--record",
                                           options_.record};
     if (options_.preview) arguments.emplace_back("--preview");
+    if (options_.frames == "shm") arguments.emplace_back("--share-frames");
     return arguments;
   }
 

@@ -26,8 +26,8 @@ std::vector<std::string> Overrides(const RunOptions& options) {
 }
 
 void TakeOptions(const RunOptions& options) {
-  if (options.frames == "shm") {
-    throw ConfigError("--frames must be lcm: shm is not offered by this version (found 'shm')");
+  if (options.frames == "shm" && options.in_process) {
+    throw ConfigError("--frames must be lcm with --in-process: no frame travels (found 'shm')");
   }
   const bool is_url = options.bus.find("://") != std::string::npos;
   if (!options.bus.empty() && options.bus != "tcpq" && options.bus != "udpm" && !is_url) {
@@ -114,7 +114,9 @@ void AddOptions(CLI::App* command, RunOptions* o) {
       ->check(CLI::Range(1, 1024));
   command->add_option("--isa", o->isa, "no wider vector instructions than these; the same bits")
       ->check(CLI::IsMember({"avx2", "avx512"}));
-  command->add_option("--frames", o->frames, "how frames travel")
+  command
+      ->add_option("--frames", o->frames,
+                   "how pixels travel: in messages, or through shared memory")
       ->check(CLI::IsMember({"lcm", "shm"}));
   command->add_flag("--preview", o->preview, "also publish IMAGE_LEFT_<id> and IMAGE_RIGHT_<id>");
   command->add_flag("--realtime", o->realtime, "no faster than real time");

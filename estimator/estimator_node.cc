@@ -39,6 +39,10 @@ void EstimatorNode::Process(const tick_t& tick) {
   }
 }
 
+cv::Mat EstimatorNode::Rgb(const image_t& image) {
+  return RgbFromMessage(image, frames_.PixelsOf(image));
+}
+
 void EstimatorNode::Detect(Observer* observer) {
   const StageTimer::Scope timed = client_.Timer().Start("detect");
   detection_t& detections = observer->detections;
@@ -46,8 +50,7 @@ void EstimatorNode::Detect(Observer* observer) {
   detections.utime = observer->frame.utime;
   detections.observer_id = observer->id;
   detections.detector = config_.estimator.detector;
-  detections.boxes = detector_->Detect(RgbFromMessage(observer->frame.left),
-                                       RgbFromMessage(observer->frame.right));
+  detections.boxes = detector_->Detect(Rgb(observer->frame.left), Rgb(observer->frame.right));
   detections.n_boxes = static_cast<int>(detections.boxes.size());
 }
 

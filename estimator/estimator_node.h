@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/shared_frames.h"
 #include "common/bus/tick_client.h"
 #include "common/process/process.h"
 #include "estimator/detector.h"
@@ -42,6 +43,7 @@ class EstimatorNode {
   };
 
   void Process(const tick_t& tick);
+  cv::Mat Rgb(const image_t& image);
   void Detect(Observer* observer);
   range_t Estimate(const tick_t& tick, Observer* observer);
   std::vector<Tracker::Sighting> Sightings(const Observer& observer) const;
@@ -49,6 +51,7 @@ class EstimatorNode {
   AircraftConfig config_;
   StereoRig rig_;
   TickClient& client_;
+  SharedFrameReader frames_;
   std::unique_ptr<Detector> detector_;                       ///< Null unless observe is image.
   std::vector<std::unique_ptr<RangeEstimator>> estimators_;  ///< As config_.estimator.methods.
   std::vector<std::unique_ptr<Observer>> observers_;         ///< By id.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include <opencv2/core.hpp>
 
 #include "lcmtypes/image_t.hpp"
@@ -10,5 +13,7 @@ namespace windhover {
 /// BAYER_RGGB and MJPEG.
 /// @throws std::runtime_error if the format is another, or sizes and data contradict each other.
 cv::Mat RgbFromMessage(const image_t& message);
+/// The same of a message whose data are elsewhere, in `bytes`.
+cv::Mat RgbFromMessage(const image_t& message, std::span<const std::uint8_t> bytes);
 
 }  // namespace windhover

@@ -24,9 +24,11 @@ void RunNode(const ProcessArgs& args) {
   const Scenario scenario = LoadScenario(args.scenario_file);
   Bus bus(args.url);
   TickClient client(bus, fmt::format("render-{}", args.share.index), args.run_id);
-  const std::filesystem::path frames_dir =
-      args.run_dir.empty() ? "" : std::filesystem::path(args.run_dir) / "frames";
-  const RenderNode node(scenario, args.share, args.threads, client, args.preview, frames_dir);
+  const RenderNodeOptions options{
+      .preview = args.preview,
+      .shares_frames = args.shares_frames,
+      .frames_dir = args.run_dir.empty() ? "" : std::filesystem::path(args.run_dir) / "frames"};
+  RenderNode node(scenario, args.share, args.threads, client, options);
   while (!client.Ended() && !StopRequested()) {
     client.Announce();
     bus.Handle(/*timeout_ms=*/100);

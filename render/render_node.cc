@@ -8,7 +8,6 @@
 #include "common/bus/channels.h"
 #include "common/bus/truth_channels.h"
 #include "lcmtypes/frame_digest_t.hpp"
-#include "lcmtypes/stereo_frame_t.hpp"
 #include "render/box_detector.h"
 
 namespace windhover {
@@ -46,10 +45,11 @@ std::vector<int> OwnedObservers(const Scenario& scenario, const ProcessShare& sh
 }
 
 RenderNode::RenderNode(const Scenario& scenario, const ProcessShare& share, int threads,
-                       TickClient& client, bool preview, const std::filesystem::path& frames_dir)
+                       TickClient& client, const RenderNodeOptions& options)
     : scenario_(scenario),
-      preview_(preview),
-      key_frames_(frames_dir,
+      preview_(options.preview),
+      shares_frames_(options.shares_frames),
+      key_frames_(options.frames_dir,
                   static_cast<int>(std::lround(scenario.duration_s * scenario.frame_rate_hz))),
       client_(client) {
   const std::vector<int> observers = OwnedObservers(scenario, share);
@@ -95,13 +95,22 @@ void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
   if (scenario_.observe == Observe::kAnnotated) {
     client_.Publish(channel::Detection(id), DetectVisible(pair.annotation));
   }
-  client_.Publish(channel::Stereo(id), frame);
+  PublishFrame(std::move(frame));
+}
+
+void RenderNode::PublishFrame(stereo_frame_t&& frame) {
+  const int id = frame.observer_id;
   if (preview_) {
     client_.Publish(channel::ImageLeft(id), frame.left);
     client_.Publish(channel::ImageRight(id), frame.right);
   }
-  renderer_->Recycle(std::move(frame.left.data));
-  renderer_->Recycle(std::move(frame.right.data));
+  if (shares_frames_) {
+    SharedFrameWriter& shared = shared_frames_[id];
+    for (image_t* image : {&frame.left, &frame.right}) renderer_->Recycle(shared.Share(image));
+  }
+  client_.Publish(channel::Stereo(id), frame);
+  if (shares_frames_) return;
+  for (image_t* image : {&frame.left, &frame.right}) renderer_->Recycle(std::move(image->data));
 }
 
 void RenderNode::PublishGeometry(const annotation_t& annotation, int tick) {

@@ -47,10 +47,14 @@ image_t JpegFromImage(const image_t& image) {
   return jpeg;
 }
 
-std::vector<std::uint8_t> JpegFrame(MessageBytes bytes) {
+// Shared memory goes with its process: the log holds the pixels themselves.
+std::vector<std::uint8_t> RecordedFrame(MessageBytes bytes, RecordedPixels pixels,
+                                        SharedFrameReader* frames) {
   stereo_frame_t frame = Decode<stereo_frame_t>(bytes);
-  frame.left = JpegFromImage(frame.left);
-  frame.right = JpegFromImage(frame.right);
+  for (image_t* image : {&frame.left, &frame.right}) {
+    frames->Fetch(image);
+    if (pixels == RecordedPixels::kJpeg) *image = JpegFromImage(*image);
+  }
   return Encode(frame);
 }
 
@@ -98,8 +102,9 @@ void Recorder::WriteTick(const tick_t& tick) {
                      [](const Heard& a, const Heard& b) { return a.place < b.place; });
     for (const Heard& message : heard_) {
       const bool is_frame = TypeOnChannel(message.channel) == MessageLayout<stereo_frame_t>::kName;
-      if (is_frame && pixels_ == RecordedPixels::kJpeg) {
-        log_.WriteBytes(message.channel, tick.utime, JpegFrame(message.bytes));
+      if (is_frame) {
+        log_.WriteBytes(message.channel, tick.utime,
+                        RecordedFrame(message.bytes, pixels_, &shared_frames_));
       } else {
         log_.WriteBytes(message.channel, tick.utime, message.bytes);
       }

@@ -7,6 +7,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/run_log.h"
+#include "common/bus/shared_frames.h"
 #include "lcmtypes/run_end_t.hpp"
 #include "lcmtypes/run_header_t.hpp"
 #include "lcmtypes/tick_t.hpp"
@@ -49,6 +50,7 @@ class Recorder {
   Bus& bus_;
   RunLogWriter log_;
   RecordedPixels pixels_;
+  SharedFrameReader shared_frames_;
   std::size_t n_channels_ = 0;
   std::vector<Heard> heard_;
 };

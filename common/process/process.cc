@@ -53,6 +53,7 @@ void AddProcessOptions(CLI::App& app, ProcessArgs* args) {
   app.add_option("--threads", args->threads, "threads to work with")->check(CLI::Range(1, 1024));
   app.add_option("--record", args->record, "which pixels the log keeps")
       ->check(CLI::IsMember({"none", "jpeg", "raw"}));
+  app.add_flag("--share-frames", args->shares_frames, "pixels travel through shared memory");
   app.add_flag("--preview", args->preview, "also publish IMAGE_LEFT_<id> and IMAGE_RIGHT_<id>");
 }
 

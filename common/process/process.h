@@ -29,6 +29,7 @@ struct ProcessArgs {
   int threads = 1;
   std::string record = "none";  ///< none | jpeg | raw
   bool preview = false;
+  bool shares_frames = false;  ///< Pixels travel through shared memory.
 };
 
 /// The body of the main() of every process of a run: parses the arguments, runs `body`, turns an

@@ -31,7 +31,7 @@ TEST(Windhover, WrongUsageIsExitCode2) {
            {"fly"},
            {"run"},
            {"run", "no/such.yaml"},
-           {"run", kScenarios + "ideal_geometric.yaml", "--frames", "shm"},
+           {"run", kScenarios + "ideal_geometric.yaml", "--in-process", "--frames", "shm"},
            {"run", kScenarios + "ideal_geometric.yaml", "--observe", "x-ray"},
            {"run", kScenarios + "ideal_geometric.yaml", "--bus", "canbus"},
            {"keys", "no.such.section"},

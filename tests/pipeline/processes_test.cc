@@ -115,7 +115,15 @@ TEST_F(ProcessesTest, TheLogIsTheSameHoweverItIsSpread) {
       hash);
   EXPECT_EQ(HashOf("d", {"--in-process"}), hash);
   EXPECT_EQ(HashOf("f", {"--isa", "avx2"}), hash);
+  EXPECT_EQ(HashOf("g", {"--frames", "shm"}), hash);
   EXPECT_NE(HashOf("e", {"--seed", "2"}), hash);
+}
+
+TEST_F(ProcessesTest, ALogHoldsThePixelsHoweverTheyTravel) {
+  const std::vector<std::string> raw = {"--record", "raw", "--set", "duration_s=0.5"};
+  std::vector<std::string> shared = raw;
+  shared.insert(shared.end(), {"--frames", "shm"});
+  EXPECT_EQ(HashOf("a", shared), HashOf("b", raw));
 }
 
 TEST_F(ProcessesTest, OurRasterisersBitsAreTheSameToo) {

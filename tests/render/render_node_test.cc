@@ -25,7 +25,7 @@ using testing::SizeIs;
 class RenderNodeTest : public testing::Test {
  protected:
   void Run(Observe observe, ProcessShare share = {}, bool preview = false) {
-    const RenderNode node(ExampleScenario(observe), share, 1, client_, preview);
+    RenderNode node(ExampleScenario(observe), share, 1, client_, {.preview = preview, .frames_dir = {}});
     for (const int id : {0, 1, 2, 3}) {
       Keep(channel::Stereo(id), &frames_);
       Keep(channel::FrameDigest(id), &digests_);
