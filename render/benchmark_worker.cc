@@ -6,6 +6,7 @@
 #include <exception>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 #include <signal.h>
 #include <sys/prctl.h>
@@ -64,7 +65,10 @@ PoseTimes RenderPoses(StereoRenderer* renderer, const std::vector<world_truth_t>
   PoseTimes times;
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const Times start = Now();
-    renderer->Render(worlds[i], static_cast<int>(i));
+    for (RenderedPair& pair : renderer->Render(worlds[i], static_cast<int>(i))) {
+      renderer->Recycle(std::move(pair.left.pixels));
+      renderer->Recycle(std::move(pair.right.pixels));
+    }
     times[i] = Since(start);
   }
   return times;
