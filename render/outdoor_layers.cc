@@ -28,7 +28,8 @@ RingCell CellOf(const SceneRay& ray, float distance_m, float spacing_m) {
   return {count, static_cast<int>(whole), t - whole};
 }
 
-int Wrapped(int i, int n) { return (i % n + n) % n; }
+// Of a number at most n outside [0, n).
+int Wrapped(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
 
 // From -pi to pi.
 float Folded(float angle_rad) {

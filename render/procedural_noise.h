@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 namespace windhover {
@@ -39,20 +40,22 @@ inline float ValueNoise(float x, float y, std::uint32_t seed) {
   return (a + (b - a) * tx) * (1 - ty) + (c + (d - c) * tx) * ty;
 }
 
+/// Most octaves that FractalNoise adds up.
+inline constexpr int kMaxOctaves = 8;
+
 /// Octaves of ValueNoise from features of size 1 down to `footprint`, 0 to 1: finer ones, which
-/// would alias, fade to their mean.
-inline float FractalNoise(float x, float y, int octaves, float footprint, std::uint32_t seed) {
-  float sum = 0, weight = 0.5f, frequency = 1;
-  for (int i = 0; i < octaves; ++i) {
-    const float fade = 1 - SmoothStep(0.25f, 1.0f, footprint * frequency);
-    if (fade <= 0) return sum + weight;  // Rest of the series: weight / 2 + weight / 4 + …
-    const float noise = ValueNoise(x * frequency, y * frequency, seed + static_cast<unsigned>(i));
-    sum += weight * (0.5f + fade * (noise - 0.5f));
-    weight *= 0.5f;
-    frequency *= 2.03f;  // Not 2, so that the lattices do not line up.
-  }
-  return sum + weight;
-}
+/// would alias, fade to their mean. At most kMaxOctaves.
+float FractalNoise(float x, float y, int octaves, float footprint, std::uint32_t seed);
+
+/// The noise of each octave at (x, y), and how much of it there is.
+struct NoiseOctaves {
+  alignas(32) std::array<float, kMaxOctaves> noise, fade;
+};
+
+/// The same bits, one octave after the other and eight at a time; FractalNoise chooses.
+void NoiseOctavesScalar(float x, float y, int octaves, float footprint, std::uint32_t seed,
+                        NoiseOctaves* out);
+void NoiseOctavesAvx2(float x, float y, float footprint, std::uint32_t seed, NoiseOctaves* out);
 
 /// Share of [x - width / 2, x + width / 2] in which a stripe is on: each period begins with a
 /// stripe `duty` of it long.

@@ -9,7 +9,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/cpu/instruction_set.h"
 #include "render/haze.h"
+#include "render/procedural_noise.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
@@ -180,6 +182,24 @@ TEST(Weather, DuskIsWarmTowardsTheSunAndBlueHourIsDim) {
   const float night_light = SkyLight(config, *night).AmbientRadiance(up).mean();
   EXPECT_LT(night_light, 0.6f * dusk_light);
   EXPECT_GT(night_light, 0.03f);  // A picture still shows something.
+}
+
+// Eight octaves at a time give the bits of one after the other.
+TEST(ProceduralNoise, IsTheSameWithAndWithoutAvx2) {
+  if (WidestInstructionSet() < InstructionSet::kAvx2) GTEST_SKIP() << "no AVX2";
+  for (int i = 0; i < 20000; ++i) {
+    const float x = 3000 * (CellHash(i, 0, 1) - 0.5f), y = 300 * (CellHash(i, 1, 1) - 0.5f);
+    const float footprint = std::pow(10.0f, -3 * CellHash(i, 2, 1));
+    const auto seed = static_cast<std::uint32_t>(1e6f * CellHash(i, 3, 1));
+    NoiseOctaves one, eight;
+    NoiseOctavesScalar(x, y, kMaxOctaves, footprint, seed, &one);
+    NoiseOctavesAvx2(x, y, footprint, seed, &eight);
+    for (std::size_t k = 0; k < kMaxOctaves; ++k) {
+      ASSERT_EQ(one.fade[k], eight.fade[k]) << i;
+      if (one.fade[k] <= 0) break;
+      ASSERT_EQ(one.noise[k], eight.noise[k]) << x << ' ' << y << ' ' << seed;
+    }
+  }
 }
 
 TEST(Haze, LeavesTwoPercentAtTheVisibility) {
