@@ -39,11 +39,12 @@ class CanvasMap {
     far_ = std::max(bounds.inverse_far - margin, 0.0);
   }
 
-  CanvasVertex Vertex(const ImageVertex& v, const Eigen::Vector3f& light, float alpha) const {
-    if (!v.is_valid) return {};
-    return {static_cast<float>(2 * (v.x_px - rect_.x0 + 0.5) / rect_.width - 1),
-            static_cast<float>(2 * (v.y_px - rect_.y0 + 0.5) / rect_.height - 1),
-            static_cast<float>((near_ + far_ - 2 * v.inverse_depth) / (near_ - far_)),
+  CanvasVertex Vertex(const ProjectedMesh& mesh, std::size_t i, const Eigen::Vector3f& light,
+                      float alpha) const {
+    const double inverse_depth = mesh.inverse_depth_per_m[i];
+    return {static_cast<float>(2 * (mesh.x_px[i] - rect_.x0 + 0.5) / rect_.width - 1),
+            static_cast<float>(2 * (mesh.y_px[i] - rect_.y0 + 0.5) / rect_.height - 1),
+            static_cast<float>((near_ + far_ - 2 * inverse_depth) / (near_ - far_)),
             light.x() * alpha,
             light.y() * alpha,
             light.z() * alpha,
@@ -60,9 +61,9 @@ std::vector<CanvasVertex> OnCanvas(const ProjectedMesh& mesh,
                                    const std::vector<Eigen::Vector3f>& light,
                                    const std::vector<float>& alphas, const CanvasMap& map) {
   std::vector<CanvasVertex> vertices;
-  vertices.reserve(mesh.vertices.size());
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    vertices.push_back(map.Vertex(mesh.vertices[i], light[i], alphas.empty() ? 1 : alphas[i]));
+  vertices.reserve(mesh.x_px.size());
+  for (std::size_t i = 0; i < mesh.x_px.size(); ++i) {
+    vertices.push_back(map.Vertex(mesh, i, light[i], alphas.empty() ? 1 : alphas[i]));
   }
   return vertices;
 }
@@ -221,10 +222,10 @@ void GlCanvas::Draw(const PixelRect& shown) {
   const int width = shown.width * samples_per_px_, height = shown.height * samples_per_px_;
   Begin(width, height);
   DrawSurface(target.model->IsWatertight() ? Surface::kClosed : Surface::kOpen,
-              OnCanvas(drawing_->body, target.body_light, {}, map), drawing_->body.triangles);
+              OnCanvas(drawing_->body, target.body_light, {}, map), drawing_->body.SeenTriangles());
   DrawSurface(Surface::kTranslucent,
               OnCanvas(drawing_->discs, target.disc_light, drawing_->disc_alphas, map),
-              drawing_->discs.triangles);
+              drawing_->discs.SeenTriangles());
   Read(width, height);
 }
 

@@ -20,13 +20,6 @@ void Store(__m128i value, Sum* sum) {
   _mm_storeu_si128(reinterpret_cast<__m128i*>(sum->data()), value);
 }
 
-TargetLayer::Sample SampleOf(std::uint16_t coverage) {
-  // Black blades before white clouds that cover 2 % change an image by five of 255 grey levels.
-  constexpr std::uint16_t kVisible = 1311;
-  if (coverage < kVisible) return TargetLayer::Sample::kEmpty;
-  return coverage > 60000 ? TargetLayer::Sample::kOpaque : TargetLayer::Sample::kTranslucent;
-}
-
 }  // namespace
 
 TargetLayer::Sample TargetLayer::SampleAt(double x_px, double y_px) const {
@@ -68,16 +61,6 @@ LayerSum::LayerSum(const PixelRect& roi, int samples_per_px) {
   layer_.samples.resize(pixels * static_cast<std::size_t>(samples_per_px * samples_per_px));
 }
 
-void LayerSum::Add(const PixelRect& shown, std::span<const Sum> pixels) {
-  for (int y = 0; y < shown.height; ++y) {
-    const Sum* from = pixels.data() + std::ptrdiff_t{y} * shown.width;
-    Sum* to = sums_.data() +
-              static_cast<std::ptrdiff_t>(shown.y0 + y - layer_.roi.y0) * layer_.roi.width +
-              shown.x0 - layer_.roi.x0;
-    for (int x = 0; x < shown.width; ++x) Store(_mm_add_epi32(Load(to[x]), Load(from[x])), to + x);
-  }
-}
-
 void LayerSum::Add(const BoxSums& boxes, const SampleShift& shift) {
   const int s = layer_.samples_per_px;
   // Place of the region's first sample among those of the boxes.
@@ -103,30 +86,31 @@ void LayerSum::Add(const BoxSums& boxes, const SampleShift& shift) {
   }
 }
 
-void LayerSum::SetSamples(const PixelRect& shown, std::span<const std::uint16_t> coverage,
-                          const SampleShift& shift) {
+void LayerSum::SetCover(const PixelRect& shown, std::span<const TargetLayer::Sample> cover,
+                        const SampleShift& shift) {
   const int s = layer_.samples_per_px;
   const int columns = layer_.roi.width * s, rows = layer_.roi.height * s;
   const int x0 = (shown.x0 - layer_.roi.x0) * s + shift.columns;
   const int y0 = (shown.y0 - layer_.roi.y0) * s + shift.rows;
   const int from = std::max(-x0, 0), to = std::min(shown.width * s, columns - x0);
-  for (int y = std::max(-y0, 0); y < std::min(shown.height * s, rows - y0); ++y) {
-    const std::uint16_t* in = coverage.data() + static_cast<std::ptrdiff_t>(y) * shown.width * s;
-    TargetLayer::Sample* out =
-        layer_.samples.data() + static_cast<std::ptrdiff_t>(y0 + y) * columns + x0;
-    for (int x = from; x < to; ++x) out[x] = SampleOf(in[x]);
+  for (int y = std::max(-y0, 0); y < std::min(shown.height * s, rows - y0) && from < to; ++y) {
+    const TargetLayer::Sample* in = cover.data() + std::ptrdiff_t{y} * shown.width * s;
+    std::copy(in + from, in + to,
+              layer_.samples.data() + std::ptrdiff_t{y0 + y} * columns + x0 + from);
   }
 }
 
 TargetLayer LayerSum::Mean(std::size_t exposures) && {
   const int samples = layer_.samples_per_px * layer_.samples_per_px;
-  const float share = 1 / (static_cast<float>(exposures) * static_cast<float>(samples));
+  const __m128 share =
+      _mm_set1_ps(1 / (static_cast<float>(exposures) * static_cast<float>(samples)));
   layer_.pixels.resize(sums_.size());
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    for (std::size_t c = 0; c < 4; ++c) {
-      const auto sum = static_cast<float>(static_cast<std::int32_t>(sums_[i][c]));
-      layer_.pixels[i][c] = static_cast<std::uint16_t>(sum * share + 0.5f);
-    }
+    const __m128i mean = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(Load(sums_[i])), share));
+    // SSE2 packs signed values only.
+    const __m128i packed = _mm_packs_epi32(_mm_sub_epi32(mean, _mm_set1_epi32(32768)), mean);
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(layer_.pixels[i].data()),
+                     _mm_xor_si128(packed, _mm_set1_epi16(-32768)));
   }
   return std::move(layer_);
 }

@@ -36,15 +36,18 @@ class LayerSum {
  public:
   LayerSum(const PixelRect& roi, int samples_per_px);
 
-  /// Adds pixels that lie in the region.
-  void Add(const PixelRect& shown, std::span<const std::array<std::uint32_t, 4>> pixels);
+  /// The sums of the pixels of the region from (x, y) on, to which drawings may be added.
+  std::array<std::uint32_t, 4>* PixelsAt(int x, int y) {
+    return sums_.data() + std::ptrdiff_t{y - layer_.roi.y0} * layer_.roi.width + x - layer_.roi.x0;
+  }
+  std::ptrdiff_t Stride() const { return layer_.roi.width; }
 
   /// Adds samples moved by `shift`, as far as they are in the region then.
   void Add(const BoxSums& boxes, const SampleShift& shift);
 
-  /// Says what the samples of the middle of the exposure are.
-  void SetSamples(const PixelRect& shown, std::span<const std::uint16_t> coverage,
-                  const SampleShift& shift);
+  /// Says what covers the samples in the middle of the exposure.
+  void SetCover(const PixelRect& shown, std::span<const TargetLayer::Sample> cover,
+                const SampleShift& shift);
 
   /// The mean over as many exposures as were added.
   TargetLayer Mean(std::size_t exposures) &&;

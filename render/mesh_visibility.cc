@@ -97,14 +97,21 @@ float AmbientOpenness(std::uint64_t open, const Vector3f& normal) {
   return sum / total;
 }
 
-float OpennessTowards(std::uint64_t open, const Vector3f& d) {
-  float sum = 0, total = 1e-6f;
-  for (std::size_t i = 0; i < kSkyDirections; ++i) {
-    const float beyond = std::max(d.dot(Directions()[i]) - 0.87f, 0.0f);
-    total += beyond * beyond;
-    if ((open >> i & 1) != 0) sum += beyond * beyond;
+OpennessTowards::OpennessTowards(const Vector3f& d) {
+  for (int i = 0; i < kSkyDirections; ++i) {
+    const float beyond = d.dot(Directions()[static_cast<std::size_t>(i)]) - 0.87f;
+    if (!(beyond > 0)) continue;
+    near_.push_back({i, beyond * beyond});
+    total_ += beyond * beyond;
   }
-  return sum / total;
+}
+
+float OpennessTowards::Of(std::uint64_t open) const {
+  float sum = 0;
+  for (const Direction& direction : near_) {
+    if ((open >> direction.index & 1) != 0) sum += direction.weight;
+  }
+  return sum / total_;
 }
 
 }  // namespace windhover

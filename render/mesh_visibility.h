@@ -19,7 +19,20 @@ std::vector<std::uint64_t> OpenDirections(const Mesh& surface, const Mesh& point
 /// ambient light reaches a vertex.
 float AmbientOpenness(std::uint64_t open, const Eigen::Vector3f& normal);
 
-/// Share of the directions near `d` (within about 30°) that `open` leaves open: soft shadow.
-float OpennessTowards(std::uint64_t open, const Eigen::Vector3f& d);
+/// Share of the directions near `d` (within about 30°) that a vertex leaves open: soft shadow.
+class OpennessTowards {
+ public:
+  explicit OpennessTowards(const Eigen::Vector3f& d);
+  /// Of a vertex with the bits `open`.
+  float Of(std::uint64_t open) const;
+
+ private:
+  struct Direction {
+    int index;
+    float weight;
+  };
+  std::vector<Direction> near_;
+  float total_ = 1e-6f;
+};
 
 }  // namespace windhover

@@ -4,6 +4,7 @@
 
 #include <emmintrin.h>
 
+#include "render/raster_mesh.h"
 #include "render/target_canvas.h"
 
 namespace windhover {
@@ -33,12 +34,23 @@ TargetCanvas::Pixel PixelFrom(Float4 light) {
 struct Shade {
   Float4 at_a, per_column, per_row, lowest, highest;
   float x, y;  // Of corner a, in samples from the image's first.
+};
 
-  Float4 At(float column, float row) const {
-    Float4 light = at_a + (column - x) * per_column + (row - y) * per_row;
+// Along row `y` of samples, columns from `x0` on.
+struct ShadeRow {
+  ShadeRow(const Shade& shade, float x0, float y)
+      : first(shade.at_a + (y - shade.y) * shade.per_row + (x0 - shade.x) * shade.per_column),
+        per_column(shade.per_column),
+        lowest(shade.lowest),
+        highest(shade.highest) {}
+
+  Float4 At(float column) const {
+    Float4 light = first + column * per_column;
     light = light < lowest ? lowest : light;  // A sliver's slopes overshoot.
     return light > highest ? highest : light;
   }
+
+  Float4 first, per_column, lowest, highest;
 };
 
 Shade MakeShade(const std::array<RasterVertex, 3>& v, const std::array<Float4, 3>& light) {
@@ -61,45 +73,6 @@ Shade MakeShade(const std::array<RasterVertex, 3>& v, const std::array<Float4, 3
           static_cast<float>(v[0].y) * kPerStep - 0.5f};
 }
 
-// A mesh in steps of samples, and those of its triangles whose vertices are in reach.
-struct RasterMesh {
-  std::vector<RasterVertex> vertices;
-  std::span<const VertexTriple> triangles;
-  std::vector<VertexTriple> in_reach;
-
-  void Set(const ProjectedMesh& mesh, const ImageBounds& bounds, int samples_per_px);
-};
-
-void RasterMesh::Set(const ProjectedMesh& mesh, const ImageBounds& bounds, int samples_per_px) {
-  const double steps = static_cast<double>(samples_per_px) * kSampleSteps;
-  const double margin = 1e-3 * bounds.inverse_near;
-  const double farthest = bounds.inverse_far - margin;
-  const double per_inverse_m = 1 / (bounds.inverse_near - farthest);
-  constexpr double kReach = RasterVertex::kMaxPlace;
-  vertices.resize(mesh.vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const ImageVertex& v = mesh.vertices[i];
-    const double x = std::clamp((v.x_px + 0.5) * steps, -kReach, kReach);
-    const double y = std::clamp((v.y_px + 0.5) * steps, -kReach, kReach);
-    // Rounded by truncation of what is positive.
-    vertices[i] = {static_cast<std::int32_t>(x + (kReach + 0.5)) - RasterVertex::kMaxPlace,
-                   static_cast<std::int32_t>(y + (kReach + 0.5)) - RasterVertex::kMaxPlace,
-                   static_cast<float>((v.inverse_depth - farthest) * per_inverse_m)};
-  }
-  triangles = mesh.triangles;
-  const double reach_px = kReach / steps - 1;
-  if (std::max({-bounds.x_min, bounds.x_max, -bounds.y_min, bounds.y_max}) < reach_px) return;
-  in_reach.clear();
-  const auto is_near = [&](std::uint32_t i) {
-    const ImageVertex& v = mesh.vertices[i];
-    return std::abs(v.x_px) < reach_px && std::abs(v.y_px) < reach_px;
-  };
-  for (const VertexTriple& t : mesh.triangles) {
-    if (is_near(t[0]) && is_near(t[1]) && is_near(t[2])) in_reach.push_back(t);
-  }
-  triangles = in_reach;
-}
-
 // Keeps, of each sample, the nearest triangle's index and its nearness, and computes light only
 // where it is seen, run by run of samples of one triangle.
 class NativeCanvas final : public TargetCanvas {
@@ -110,8 +83,8 @@ class NativeCanvas final : public TargetCanvas {
   void Load(const TargetDrawing& drawing, int samples_per_px) override;
   void Draw(const PixelRect& shown) override;
   std::span<const Pixel> Samples() override;
-  void ReadCoverage(std::vector<std::uint16_t>* coverage) override;
-  void SumPixels(std::vector<std::array<std::uint32_t, 4>>* sums) override;
+  void ReadCover(std::vector<TargetLayer::Sample>* cover) override;
+  void AddPixels(std::array<std::uint32_t, 4>* sums, std::ptrdiff_t stride) override;
 
  private:
   void ClearTranslucent();
@@ -121,11 +94,16 @@ class NativeCanvas final : public TargetCanvas {
   void SumBody(int row, Float4* sums);
   void SumTranslucent(int row, Float4* sums);
   std::ptrdiff_t Start(int row) const { return std::ptrdiff_t{row} * tile_.stride; }
-  Float4 LightAt(const Shade& shade, float column, int row) const {
-    return shade.At(static_cast<float>(tile_.x0) + column, static_cast<float>(tile_.y0 + row));
+  Float4 LightAt(std::uint32_t index, int column, int row) {
+    return ShadeRow(ShadeOf(index), static_cast<float>(tile_.x0),
+                    static_cast<float>(tile_.y0 + row))
+        .At(static_cast<float>(column));
   }
+  // Of a sample's column, without a division: exact below 2^13.
+  int PixelOf(int column) const { return column * per_sample_ >> 16; }
 
   RasterIsa isa_;
+  int per_sample_ = 65536;
   const TargetDrawing* drawing_ = nullptr;
   RasterMesh body_, discs_;
   std::vector<std::array<float, 4>> disc_light_;
@@ -144,15 +122,16 @@ class NativeCanvas final : public TargetCanvas {
 void NativeCanvas::Load(const TargetDrawing& drawing, int samples_per_px) {
   drawing_ = &drawing;
   samples_per_px_ = samples_per_px;
+  per_sample_ = (65536 + samples_per_px - 1) / samples_per_px;
   body_.Set(drawing.body, drawing.bounds, samples_per_px);
   discs_.Set(drawing.discs, drawing.bounds, samples_per_px);
-  disc_light_.resize(discs_.vertices.size());
+  disc_light_.resize(discs_.Vertices().size());
   for (std::size_t i = 0; i < disc_light_.size(); ++i) {
     const float alpha = drawing.disc_alphas[i];
     const Eigen::Vector3f light = (drawing.target->disc_light[i] * alpha).cwiseMin(1);
     disc_light_[i] = {light.x(), light.y(), light.z(), alpha};
   }
-  shade_of_.assign(body_.triangles.size(), 0);
+  shade_of_.assign(body_.Triangles().size(), 0);
   shades_.clear();
 }
 
@@ -170,9 +149,9 @@ void NativeCanvas::Draw(const PixelRect& shown) {
   tile_.nearness = nearness_.data();
   tile_.nearest = nearest_.data();
   const Faces faces = drawing_->target->model->IsWatertight() ? Faces::kFront : Faces::kBoth;
-  DrawOpaque(isa_, body_.vertices, body_.triangles, faces, tile_);
+  DrawOpaque(isa_, body_.Vertices(), body_.Triangles(), faces, tile_);
   ClearTranslucent();
-  DrawTranslucent(isa_, discs_.vertices, disc_light_, discs_.triangles, tile_,
+  DrawTranslucent(isa_, discs_.Vertices(), disc_light_, discs_.Triangles(), tile_,
                   {translucent_.data(), first_.data(), last_.data()});
 }
 
@@ -183,12 +162,12 @@ void NativeCanvas::ClearTranslucent() {
   last_.assign(rows, 0);
   if (translucent_.size() < nearness_.size()) translucent_.resize(nearness_.size());
   std::int32_t left = RasterVertex::kMaxPlace, right = -left, top = left, bottom = -left;
-  for (const VertexTriple& t : discs_.triangles) {
+  for (const VertexTriple& t : discs_.Triangles()) {
     for (const std::uint32_t i : t) {
-      left = std::min(left, discs_.vertices[i].x);
-      right = std::max(right, discs_.vertices[i].x);
-      top = std::min(top, discs_.vertices[i].y);
-      bottom = std::max(bottom, discs_.vertices[i].y);
+      left = std::min(left, discs_.Vertices()[i].x);
+      right = std::max(right, discs_.Vertices()[i].x);
+      top = std::min(top, discs_.Vertices()[i].y);
+      bottom = std::max(bottom, discs_.Vertices()[i].y);
     }
   }
   const int from = std::max(left / kSampleSteps - 1 - tile_.x0, 0);
@@ -206,8 +185,8 @@ const Shade& NativeCanvas::ShadeOf(std::uint32_t index) {
     std::array<RasterVertex, 3> corners;
     std::array<Float4, 3> light;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t i = body_.triangles[index - 1][k];
-      corners[k] = body_.vertices[i];
+      const std::uint32_t i = body_.Triangles()[index - 1][k];
+      corners[k] = body_.Vertices()[i];
       const Eigen::Vector3f clipped = drawing_->target->body_light[i].cwiseMin(1);
       light[k] = Float4{clipped.x(), clipped.y(), clipped.z(), 1};
     }
@@ -235,10 +214,11 @@ void NativeCanvas::ForRuns(int row, Body&& body) {
 void NativeCanvas::SumBody(int row, Float4* sums) {
   const int s = samples_per_px_;
   ForRuns(row, [&](const Shade& shade, int first, int last) {
-    for (int pixel = first / s; first < last; ++pixel) {
+    const ShadeRow light(shade, static_cast<float>(tile_.x0), static_cast<float>(tile_.y0 + row));
+    for (int pixel = PixelOf(first); first < last; ++pixel) {
       const int end = std::min(last, (pixel + 1) * s);
-      const float middle = static_cast<float>(first + end - 1) / 2;
-      sums[pixel] += static_cast<float>(end - first) * LightAt(shade, middle, row);
+      const float middle = static_cast<float>(first + end - 1) * 0.5f;
+      sums[pixel] += static_cast<float>(end - first) * light.At(middle);
       first = end;
     }
   });
@@ -250,25 +230,27 @@ void NativeCanvas::SumTranslucent(int row, Float4* sums) {
   for (int i = first_[at]; i < last_[at]; ++i) {
     const Float4 over = LightOf(translucent_[static_cast<std::size_t>(Start(row) + i)]);
     if (over[3] == 0) continue;
-    Float4& sum = sums[i / samples_per_px_];
+    Float4& sum = sums[PixelOf(i)];
     sum += over;
     const std::uint32_t index = nearest_[static_cast<std::size_t>(Start(row) + i)];
-    if (index != 0) sum -= over[3] * LightAt(ShadeOf(index), static_cast<float>(i), row);
+    if (index != 0) sum -= over[3] * LightAt(index, i, row);
   }
 }
 
-void NativeCanvas::SumPixels(std::vector<std::array<std::uint32_t, 4>>* sums) {
+void NativeCanvas::AddPixels(std::array<std::uint32_t, 4>* sums, std::ptrdiff_t stride) {
   const auto width = static_cast<std::size_t>(shown_.width);
-  sums_.assign(width * static_cast<std::size_t>(shown_.height), Float4{});
-  for (int row = 0; row < tile_.height; ++row) {
-    Float4* pixels = sums_.data() + static_cast<std::size_t>(row / samples_per_px_) * width;
-    SumBody(row, pixels);
-    SumTranslucent(row, pixels);
-  }
-  sums->resize(sums_.size());
-  for (std::size_t i = 0; i < sums_.size(); ++i) {
-    const __m128i rounded = _mm_cvtps_epi32(reinterpret_cast<__m128>(sums_[i] * kWhite));
-    std::memcpy((*sums)[i].data(), &rounded, sizeof rounded);
+  for (int y = 0; y < shown_.height; ++y) {
+    sums_.assign(width, Float4{});
+    for (int i = 0; i < samples_per_px_; ++i) {
+      SumBody(y * samples_per_px_ + i, sums_.data());
+      SumTranslucent(y * samples_per_px_ + i, sums_.data());
+    }
+    std::array<std::uint32_t, 4>* out = sums + y * stride;
+    for (std::size_t x = 0; x < width; ++x) {
+      const __m128i sum = _mm_cvtps_epi32(reinterpret_cast<__m128>(sums_[x] * kWhite));
+      auto* place = reinterpret_cast<__m128i*>(out[x].data());
+      _mm_storeu_si128(place, _mm_add_epi32(_mm_loadu_si128(place), sum));
+    }
   }
 }
 
@@ -278,35 +260,33 @@ std::span<const TargetCanvas::Pixel> NativeCanvas::Samples() {
   for (int row = 0; row < tile_.height; ++row) {
     Pixel* pixels = samples_.data() + static_cast<std::size_t>(row) * width;
     ForRuns(row, [&](const Shade& shade, int first, int last) {
-      for (int i = first; i < last; ++i) {
-        pixels[i] = PixelFrom(LightAt(shade, static_cast<float>(i), row));
-      }
+      const ShadeRow light(shade, static_cast<float>(tile_.x0), static_cast<float>(tile_.y0 + row));
+      for (int i = first; i < last; ++i) pixels[i] = PixelFrom(light.At(static_cast<float>(i)));
     });
     const auto at = static_cast<std::size_t>(row);
     for (int i = first_[at]; i < last_[at]; ++i) {
       Float4 over = LightOf(translucent_[static_cast<std::size_t>(Start(row) + i)]);
       const std::uint32_t index = nearest_[static_cast<std::size_t>(Start(row) + i)];
-      if (index != 0) {
-        over += (1 - over[3]) * LightAt(ShadeOf(index), static_cast<float>(i), row);
-      }
+      if (index != 0) over += (1 - over[3]) * LightAt(index, i, row);
       pixels[i] = PixelFrom(over);
     }
   }
   return samples_;
 }
 
-void NativeCanvas::ReadCoverage(std::vector<std::uint16_t>* coverage) {
+void NativeCanvas::ReadCover(std::vector<TargetLayer::Sample>* cover) {
+  using Sample = TargetLayer::Sample;
   const auto width = static_cast<std::size_t>(tile_.width);
-  coverage->resize(width * static_cast<std::size_t>(tile_.height));
+  cover->resize(width * static_cast<std::size_t>(tile_.height));
   for (int row = 0; row < tile_.height; ++row) {
     const std::uint32_t* index = nearest_.data() + Start(row);
-    std::uint16_t* out = coverage->data() + static_cast<std::size_t>(row) * width;
-    for (int i = 0; i < tile_.width; ++i) out[i] = index[i] != 0 ? 65535 : 0;
+    Sample* out = cover->data() + static_cast<std::size_t>(row) * width;
+    for (int i = 0; i < tile_.width; ++i) out[i] = index[i] != 0 ? Sample::kOpaque : Sample::kEmpty;
     const auto at = static_cast<std::size_t>(row);
     for (int i = first_[at]; i < last_[at]; ++i) {
       if (index[i] != 0) continue;
       const float over = translucent_[static_cast<std::size_t>(Start(row) + i)][3];
-      out[i] = static_cast<std::uint16_t>(over * kWhite + 0.5f);
+      out[i] = SampleOf(static_cast<std::uint16_t>(over * kWhite + 0.5f));
     }
   }
 }

@@ -45,11 +45,14 @@ ShadedTarget Shade(const PreparedModel& model, const DetailLevel& level,
                    const Eigen::Matrix3d& R_WB_double, const SkyLight& light) {
   const Eigen::Matrix3f R_WB = R_WB_double.cast<float>();
   const Vector3f sun_B = R_WB.transpose() * light.SunDirection_W();
+  const OpennessTowards towards_sun(sun_B);
   ShadedTarget shaded{&model, &level, {}, {}};
+  shaded.body_light.reserve(level.body.positions.size());
+  shaded.disc_light.reserve(level.discs.positions.size());
   for (std::size_t v = 0; v < level.body.positions.size(); ++v) {
     const Vector3f& n_B = level.body.normals[v];
     const float facing = std::max(n_B.dot(sun_B), 0.0f);
-    const float sun = facing > 0 ? facing * OpennessTowards(model.OpenDirectionsOf(v), sun_B) : 0;
+    const float sun = facing > 0 ? facing * towards_sun.Of(model.OpenDirectionsOf(v)) : 0;
     const Vector3f ambient = light.AmbientRadiance(R_WB * n_B) * model.AmbientOpennessOf(v);
     shaded.body_light.push_back(
         level.body.base_colours[v].cwiseProduct(sun * light.SunRadiance() + ambient));

@@ -2,47 +2,132 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace windhover {
+namespace {
 
-ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB) {
-  constexpr double kNear_m = 0.05;
-  ProjectedMesh projected;
-  projected.vertices.reserve(mesh.positions.size());
-  bool all_valid = true;
-  camera.Visit([&](const auto& model) {
-    for (const Eigen::Vector3f& p_B : mesh.positions) {
-      Eigen::Vector3d p_C;
-      auto q_px = ProjectByRows(model, X_CB, p_B.cast<double>(), &p_C);
-      if (!(p_C.z() > kNear_m)) q_px.reset();
-      all_valid = all_valid && q_px.has_value();
-      projected.vertices.push_back(q_px ? ImageVertex{q_px->x(), q_px->y(), 1 / p_C.z(), true}
-                                        : ImageVertex{});
+constexpr double kNear_m = 0.05;
+constexpr std::size_t kBatch = 64;
+
+// Vertices [first, first + count) one by one.
+template <typename Camera>
+void ProjectEach(const Mesh& mesh, const Camera& camera, const RowPoses& X_CB, std::size_t first,
+                 std::size_t count, ProjectedMesh* projected) {
+  for (std::size_t i = first; i < first + count; ++i) {
+    Eigen::Vector3d p_C;
+    const auto q_px = ProjectByRows(camera, X_CB, mesh.positions[i].cast<double>(), &p_C);
+    const bool is_seen = q_px && p_C.z() > kNear_m;
+    projected->x_px[i] = is_seen ? q_px->x() : 0;
+    projected->y_px[i] = is_seen ? q_px->y() : 0;
+    projected->inverse_depth_per_m[i] = is_seen ? 1 / p_C.z() : 0;
+  }
+}
+
+struct BatchPose {
+  double R[9], t[3];  // Row by row.
+};
+
+// PinholeRadtan::Project for many points at once. Returns false if it might have no answer for one
+// of them: by the bound with which GrowsUntil there begins, or by the distortion's determinant.
+__attribute__((target_clones("default", "avx2", "avx512f"))) bool ProjectBatch(
+    const PinholeRadtan& m, const BatchPose& pose, const float (*p_B)[3], double* x_px,
+    double* y_px, double* inverse_depth) {
+  const double c = std::min(3 * m.k1, 0.0), b = std::min(10 * m.k2, 0.0) / 2,
+               a = std::min(21 * m.k3, 0.0) / 3;
+  const double *R = pose.R, *t = pose.t;
+  double worst[kBatch];
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    const double px = p_B[i][0], py = p_B[i][1], pz = p_B[i][2];
+    const double depth_m = R[6] * px + R[7] * py + R[8] * pz + t[2];
+    const double x = (R[0] * px + R[1] * py + R[2] * pz + t[0]) / depth_m;
+    const double y = (R[3] * px + R[4] * py + R[5] * pz + t[1]) / depth_m;
+    const double r2 = x * x + y * y;
+    const double radial = 1 + r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3));
+    const double slope = m.k1 + r2 * (2 * m.k2 + r2 * 3 * m.k3);
+    x_px[i] = m.fx_px * (x * radial + 2 * m.p1 * x * y + m.p2 * (r2 + 2 * x * x)) + m.cx_px;
+    y_px[i] = m.fy_px * (y * radial + m.p1 * (r2 + 2 * y * y) + 2 * m.p2 * x * y) + m.cy_px;
+    inverse_depth[i] = 1 / depth_m;
+    const double shear = 2 * x * y * slope + 2 * m.p1 * x + 2 * m.p2 * y;
+    const double dx = radial + 2 * x * x * slope + 2 * m.p1 * y + 6 * m.p2 * x;
+    const double dy = radial + 2 * y * y * slope + 6 * m.p1 * y + 2 * m.p2 * x;
+    const double grows = 1 + r2 * (c + r2 * (b + r2 * a)), turns = dx * dy - shear * shear;
+    const double is_near = depth_m - kNear_m;
+    const double least = grows < turns ? grows : turns;
+    worst[i] = is_near < least ? is_near : least;
+  }
+  bool all = true;
+  for (std::size_t i = 0; i < kBatch; ++i) all &= worst[i] > 0;
+  return all;
+}
+
+void ProjectPinhole(const Mesh& mesh, const PinholeRadtan& camera, const RowPoses& X_CB,
+                    ProjectedMesh* projected) {
+  BatchPose pose;
+  const Eigen::Isometry3d& X = X_CB.Middle();
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.R) = X.linear();
+  Eigen::Map<Eigen::Vector3d>(pose.t) = X.translation();
+  const std::size_t n = mesh.positions.size();
+  float p_B[kBatch][3];
+  double x_px[kBatch], y_px[kBatch], inverse_depth[kBatch];
+  for (std::size_t first = 0; first < n; first += kBatch) {
+    const std::size_t count = std::min(kBatch, n - first);
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      std::copy_n(mesh.positions[first + std::min(i, count - 1)].data(), 3, p_B[i]);
     }
-  });
-  if (all_valid) {
-    projected.triangles = mesh.triangles;
-    return projected;
+    if (!ProjectBatch(camera, pose, p_B, x_px, y_px, inverse_depth)) {
+      ProjectEach(mesh, camera, X_CB, first, count, projected);
+      continue;
+    }
+    std::copy_n(x_px, count, projected->x_px.data() + first);
+    std::copy_n(y_px, count, projected->y_px.data() + first);
+    std::copy_n(inverse_depth, count, projected->inverse_depth_per_m.data() + first);
+  }
+}
+
+// Bounds of the triangles that are seen, and which these are.
+void FindSeen(const Mesh& mesh, ProjectedMesh* out) {
+  const auto extend = [out](std::size_t i) {
+    out->bounds.Extend(out->x_px[i], out->y_px[i], out->inverse_depth_per_m[i]);
+  };
+  const std::vector<double>& inverse = out->inverse_depth_per_m;
+  if (std::all_of(inverse.begin(), inverse.end(), [](double v) { return v > 0; })) {
+    out->all = &mesh.triangles;
+    for (std::size_t i = 0; i < inverse.size(); ++i) extend(i);
+    return;
   }
   for (const auto& t : mesh.triangles) {
-    const auto& v = projected.vertices;
-    if (v[t[0]].is_valid && v[t[1]].is_valid && v[t[2]].is_valid) projected.triangles.push_back(t);
+    if (!(inverse[t[0]] > 0 && inverse[t[1]] > 0 && inverse[t[2]] > 0)) continue;
+    out->seen.push_back(t);
+    for (const std::uint32_t i : t) extend(i);
   }
+}
+
+}  // namespace
+
+ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB) {
+  ProjectedMesh projected;
+  const std::size_t n = mesh.positions.size();
+  projected.x_px.resize(n);
+  projected.y_px.resize(n);
+  projected.inverse_depth_per_m.resize(n);
+  camera.Visit([&](const auto& model) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(model)>, PinholeRadtan>) {
+      if (X_CB.IsOne()) return ProjectPinhole(mesh, model, X_CB, &projected);
+    }
+    ProjectEach(mesh, model, X_CB, 0, n, &projected);
+  });
+  FindSeen(mesh, &projected);
   return projected;
 }
 
-void ImageBounds::Extend(const ProjectedMesh& mesh) {
-  for (const auto& t : mesh.triangles) {
-    for (const std::uint32_t i : t) {
-      const ImageVertex& v = mesh.vertices[i];
-      x_min = std::min(x_min, v.x_px);
-      x_max = std::max(x_max, v.x_px);
-      y_min = std::min(y_min, v.y_px);
-      y_max = std::max(y_max, v.y_px);
-      inverse_near = std::max(inverse_near, v.inverse_depth);
-      inverse_far = std::min(inverse_far, v.inverse_depth);
-    }
-  }
+void ImageBounds::Extend(double x_px, double y_px, double inverse_depth) {
+  x_min = std::min(x_min, x_px);
+  x_max = std::max(x_max, x_px);
+  y_min = std::min(y_min, y_px);
+  y_max = std::max(y_max, y_px);
+  inverse_near = std::max(inverse_near, inverse_depth);
+  inverse_far = std::min(inverse_far, inverse_depth);
 }
 
 void ImageBounds::Extend(const ImageBounds& other) {

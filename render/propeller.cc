@@ -14,7 +14,7 @@ constexpr std::array kDirection = {-1, 1, -1, 1};
 
 // Twice integrated, less its mean: 1 within `width` about every multiple of π, 0 elsewhere.
 double TwiceIntegrated(double x, double width) {
-  const double r = std::abs(std::remainder(x, pi)), half = width / 2;
+  const double r = std::abs(x - pi * std::floor(x / pi + 0.5)), half = width / 2;
   const double inside = r < half ? r * r / 2 : half * (r - half / 2);
   return inside - width / pi * r * r / 2;
 }

@@ -23,11 +23,13 @@ std::string RunGlSelfTest() {
   constexpr double kFirst_px = -0.5, kLast_px = kSize - 0.5;
   TargetDrawing drawing;
   drawing.target = &target;
-  drawing.body = {{{kFirst_px, kFirst_px, 1, true},
-                   {kFirst_px, kLast_px, 1, true},
-                   {kLast_px, kLast_px, 1, true}},
-                  {{0, 1, 2}}};
-  drawing.bounds.Extend(drawing.body);
+  drawing.body = {.x_px = {kFirst_px, kFirst_px, kLast_px},
+                  .y_px = {kFirst_px, kLast_px, kLast_px},
+                  .inverse_depth_per_m = {1, 1, 1},
+                  .bounds = {kFirst_px, kLast_px, kFirst_px, kLast_px, 1, 1},
+                  .all = nullptr,
+                  .seen = {{0, 1, 2}}};
+  drawing.bounds = drawing.body.bounds;
   const std::unique_ptr<TargetCanvas> canvas = MakeGlCanvas(std::move(context));
   canvas->Load(drawing, 1);
   canvas->Draw({0, 0, kSize, kSize});

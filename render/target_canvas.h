@@ -9,6 +9,7 @@
 #include "render/gl_context.h"
 #include "render/prepared_model.h"
 #include "render/projected_mesh.h"
+#include "render/target_layer.h"
 #include "render/triangle_kernel.h"
 
 namespace windhover {
@@ -45,13 +46,23 @@ class TargetCanvas {
   /// What was drawn, rows from the top; valid until the next call.
   virtual std::span<const Pixel> Samples() = 0;
 
-  /// Coverage of what was drawn, rows from the top; 65535 is opaque.
-  virtual void ReadCoverage(std::vector<std::uint16_t>* coverage);
+  /// What covers the samples that were drawn, rows from the top.
+  virtual void ReadCover(std::vector<TargetLayer::Sample>* cover);
 
-  /// The sum over the samples of each pixel, rows from the top.
-  virtual void SumPixels(std::vector<std::array<std::uint32_t, 4>>* sums);
+  /// Adds the sum over the samples of each pixel to `sums`, whose rows are `stride` pixels apart.
+  virtual void AddPixels(std::array<std::uint32_t, 4>* sums, std::ptrdiff_t stride);
 
  protected:
+  /// Of coverage, from what a person or a detector might see on.
+  static TargetLayer::Sample SampleOf(std::uint16_t coverage) {
+    // Black blades before white clouds that cover 2 % change an image by five of 255 grey levels.
+    constexpr std::uint16_t kVisible = 1311, kOpaque = 60000;
+    using Sample = TargetLayer::Sample;
+    return coverage < kVisible  ? Sample::kEmpty
+           : coverage > kOpaque ? Sample::kOpaque
+                                : Sample::kTranslucent;
+  }
+
   PixelRect shown_;
   int samples_per_px_ = 1;
 };

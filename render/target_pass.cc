@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/layer_sum.h"
 #include "render/mesh_builder.h"
 #include "render/target_motion.h"
 
@@ -20,20 +19,34 @@ int SamplesFor(double extent_px, std::size_t drawings) {
   return std::max(2, static_cast<int>(shared));
 }
 
-// How opaque the propellers' discs are from the camera, one a vertex.
-std::vector<float> DiscAlphas(const ShadedTarget& target, const RowPoses& X_CB,
-                              const RotorTurning& turning) {
+// The vertices of a projected mesh's triangles whose front faces the camera.
+std::vector<bool> FacingVertices(const ProjectedMesh& mesh) {
+  std::vector<bool> facing(mesh.x_px.size());
+  const auto &x = mesh.x_px, &y = mesh.y_px;
+  for (const auto& [a, b, c] : mesh.SeenTriangles()) {
+    // A little beyond edge-on, as places will be rounded.
+    constexpr double kMargin_px2 = 0.1;
+    const double area = (x[c] - x[a]) * (y[b] - y[a]) - (x[b] - x[a]) * (y[c] - y[a]);
+    if (area > -kMargin_px2) facing[a] = facing[b] = facing[c] = true;
+  }
+  return facing;
+}
+
+// How opaque the propellers' discs are from the camera, one a vertex; 0 where only back faces are.
+std::vector<float> DiscAlphas(const ShadedTarget& target, const ProjectedMesh& discs,
+                              const RowPoses& X_CB, const RotorTurning& turning) {
   constexpr double kSpread_rad = 2 * std::numbers::pi / kDiscSectors;
   const std::vector<Propeller>& propellers = target.model->Propellers();
   const std::vector<Eigen::Vector3f>& places = target.level->discs.positions;
   const Eigen::Vector3d camera_B_m = X_CB.Middle().inverse().translation();
-  std::vector<float> alphas;
-  alphas.reserve(places.size());
+  const std::vector<bool> facing = FacingVertices(discs);
+  std::vector<float> alphas(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!facing[i]) continue;
     const Eigen::Vector3d p_B_m = places[i].cast<double>();
-    alphas.push_back(
+    alphas[i] =
         static_cast<float>(BladeCoverage(propellers[i * propellers.size() / places.size()], turning,
-                                         p_B_m, (p_B_m - camera_B_m).normalized(), kSpread_rad)));
+                                         p_B_m, (p_B_m - camera_B_m).normalized(), kSpread_rad));
   }
   return alphas;
 }
@@ -86,9 +99,10 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera
                         {},
                         {}});
     drawings.back().disc_alphas =
-        DiscAlphas(target, pose, rotors.Part(part.first, part.shifts_px.size(), X_CB.size()));
-    drawings.back().bounds.Extend(drawings.back().body);
-    drawings.back().bounds.Extend(drawings.back().discs);
+        DiscAlphas(target, drawings.back().discs, pose,
+                   rotors.Part(part.first, part.shifts_px.size(), X_CB.size()));
+    drawings.back().bounds = drawings.back().body.bounds;
+    drawings.back().bounds.Extend(drawings.back().discs.bounds);
     bounds.Extend(drawings.back().bounds);
     shift_px = std::max(shift_px, part.LargestShift_px());
   }
@@ -115,25 +129,21 @@ void TargetPass::Gather(const TargetDrawing& drawing, Gathering* gathering) {
   const auto [columns, rows] = canvas_->MaxSize();
   const int width = columns / gathering->samples_per_px, height = rows / gathering->samples_per_px;
   canvas_->Load(drawing, gathering->samples_per_px);
-  std::vector<std::array<std::uint32_t, 4>> pixels;
-  std::vector<std::uint16_t> coverage;
-  BoxSums boxes;
   for (int y = 0; y < region.height; y += height) {
     for (int x = 0; x < region.width; x += width) {
       const PixelRect shown{region.x0 + x, region.y0 + y, std::min(width, region.width - x),
                             std::min(height, region.height - y)};
       canvas_->Draw(shown);
       if (gathering->middle != nullptr) {
-        canvas_->ReadCoverage(&coverage);
-        gathering->sum.SetSamples(shown, coverage, *gathering->middle);
+        canvas_->ReadCover(&cover_);
+        gathering->sum.SetCover(shown, cover_, *gathering->middle);
       }
       if (gathering->shifts.size() == 1) {
-        canvas_->SumPixels(&pixels);
-        gathering->sum.Add(shown, pixels);
+        canvas_->AddPixels(gathering->sum.PixelsAt(shown.x0, shown.y0), gathering->sum.Stride());
         continue;
       }
-      boxes.Set(canvas_->Samples(), shown, gathering->samples_per_px);
-      for (const SampleShift& shift : gathering->shifts) gathering->sum.Add(boxes, shift);
+      boxes_.Set(canvas_->Samples(), shown, gathering->samples_per_px);
+      for (const SampleShift& shift : gathering->shifts) gathering->sum.Add(boxes_, shift);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "render/gl_context.h"
+#include "render/layer_sum.h"
 #include "render/prepared_model.h"
 #include "render/projected_mesh.h"
 #include "render/target_canvas.h"
@@ -48,6 +49,8 @@ class TargetPass {
 
   std::unique_ptr<TargetCanvas> canvas_;
   double max_blur_px_;
+  std::vector<TargetLayer::Sample> cover_;
+  BoxSums boxes_;
 };
 
 /// A pass that draws with `rasteriser`. OpenGL's draws for one thread of the process at a time

@@ -98,6 +98,17 @@ class PlaneSolver {
             static_cast<float>(per_column), static_cast<float>(per_row)};
   }
 
+  // The same of several values at once, in single precision.
+  template <typename Values>
+  WINDHOVER_INLINE void Solve(Values at_a, Values at_b, Values at_c, Values* first,
+                              Values* per_column, Values* per_row) const {
+    const Values to_b = at_b - at_a, to_c = at_c - at_a;
+    *per_column = to_c * static_cast<float>(yb_) - to_b * static_cast<float>(yc_);
+    *per_row = to_b * static_cast<float>(xc_) - to_c * static_cast<float>(xb_);
+    *first =
+        at_a + *per_column * static_cast<float>(columns_) + *per_row * static_cast<float>(rows_);
+  }
+
  private:
   double xb_, yb_, xc_, yc_, columns_, rows_;
 };
@@ -117,10 +128,11 @@ struct Edge {
   }
 
   // Narrows the columns [*from, *to] of a row, counted from the box's first, to where the row may
-  // be inside.
-  WINDHOVER_INLINE void Limit(int row, int last_column, int* from, int* to) const {
+  // be inside; `per_across` is 1 / across.
+  WINDHOVER_INLINE void Limit(int row, int last_column, double per_across, int* from,
+                              int* to) const {
     if (across == 0) return;
-    const double at = -(static_cast<double>(first) + static_cast<double>(down) * row) / across;
+    const double at = -(static_cast<double>(first) + static_cast<double>(down) * row) * per_across;
     const int column = static_cast<int>(std::clamp(at, -2.0, last_column + 2.0));
     if (across > 0) {
       *from = std::max(*from, column - 1);
@@ -133,46 +145,87 @@ struct Edge {
   Int first;  ///< At the first sample of the box.
 };
 
-// Calls body(row, column, mask, nearness) for groups of samples of the box that may be inside.
-// `Int` holds E / kSampleSteps all over the box.
-template <typename Int, typename Body>
-WINDHOVER_INLINE void ForGroups(const Corners& t, const Box& box, std::int64_t x_steps,
-                                std::int64_t y_steps, Body& body) {
+// What ForRows needs of a triangle. `Int` holds E / kSampleSteps all over the box.
+template <typename Int>
+struct Slopes {
   using Lanes = typename LanesOf<Int>::Type;
-  constexpr int kWide = 3 * kLanes;
-  const Edge<Int> edges[3] = {
-      {t.a, t.b, x_steps, y_steps}, {t.b, t.c, x_steps, y_steps}, {t.c, t.a, x_steps, y_steps}};
-  const Plane plane =
-      PlaneSolver(t, x_steps, y_steps).Solve(t.a.nearness, t.b.nearness, t.c.nearness);
-  const Float8 lowest = Float8{} + std::min({t.a.nearness, t.b.nearness, t.c.nearness});
-  const Float8 highest = Float8{} + std::max({t.a.nearness, t.b.nearness, t.c.nearness});
-  const Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
-  Lanes e[3];
-  for (int k = 0; k < 3; ++k) e[k] = edges[k].first + lane * Int{edges[k].across};
-  const Float8 float_lane = {0, 1, 2, 3, 4, 5, 6, 7};
-  const Float8 first_nearness = static_cast<float>(plane.first) + float_lane * plane.per_column;
-  const int columns = box.last_column - box.first_column;
-  for (int row = 0; row <= box.last_row - box.first_row; ++row) {
-    int from = 0, to = columns;
-    if (columns >= kWide) {
-      for (const Edge<Int>& edge : edges) edge.Limit(row, columns, &from, &to);
+
+  WINDHOVER_INLINE Slopes(const Corners& t, std::int64_t x_steps, std::int64_t y_steps)
+      : edges{{t.a, t.b, x_steps, y_steps},
+              {t.b, t.c, x_steps, y_steps},
+              {t.c, t.a, x_steps, y_steps}} {
+    const Plane plane =
+        PlaneSolver(t, x_steps, y_steps).Solve(t.a.nearness, t.b.nearness, t.c.nearness);
+    const Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    for (int k = 0; k < 3; ++k) {
+      e[k] = edges[k].first + lane * Int{edges[k].across};
+      per_group[k] = Lanes{} + Int{edges[k].across} * Int{kLanes};
+      per_row[k] = Lanes{} + Int{edges[k].down};
     }
-    const Float8 row_nearness = first_nearness + static_cast<float>(row) * plane.per_row;
-    for (int i = from; i <= to; i += kLanes) {
-      const Lanes sign = (e[0] + Int{edges[0].across} * Int{i}) |
-                         (e[1] + Int{edges[1].across} * Int{i}) |
-                         (e[2] + Int{edges[2].across} * Int{i});
-      // A sliver's slopes overshoot.
-      Float8 nearness = row_nearness + static_cast<float>(i) * plane.per_column;
-      nearness = nearness < lowest ? lowest : nearness;
-      nearness = nearness > highest ? highest : nearness;
-      body(box.first_row + row, box.first_column + i, Narrow(sign >= 0), nearness);
-    }
-    for (int k = 0; k < 3; ++k) e[k] += Int{edges[k].down};
+    const Float8 float_lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    nearness = static_cast<float>(plane.first) + float_lane * plane.per_column;
+    nearness_per_group = Float8{} + plane.per_column * float{kLanes};
+    nearness_per_row = Float8{} + plane.per_row;
+    lowest = Float8{} + std::min({t.a.nearness, t.b.nearness, t.c.nearness});
+    highest = Float8{} + std::max({t.a.nearness, t.b.nearness, t.c.nearness});
+  }
+
+  // A sliver's slopes overshoot.
+  WINDHOVER_INLINE Float8 Bounded(Float8 value) const {
+    value = value < lowest ? lowest : value;
+    return value > highest ? highest : value;
+  }
+
+  Edge<Int> edges[3];
+  Lanes e[3], per_group[3], per_row[3];
+  Float8 nearness, nearness_per_group, nearness_per_row, lowest, highest;
+};
+
+// Calls body(row, column, mask, nearness) for the groups of samples of a box one group wide.
+template <typename Int, typename Body>
+WINDHOVER_INLINE void ForRows(const Slopes<Int>& slopes, const Box& box, Body& body) {
+  auto e0 = slopes.e[0], e1 = slopes.e[1], e2 = slopes.e[2];
+  Float8 nearness = slopes.nearness;
+  for (int row = box.first_row; row <= box.last_row; ++row) {
+    body(row, box.first_column, Narrow((e0 | e1 | e2) >= 0), slopes.Bounded(nearness));
+    e0 += slopes.per_row[0];
+    e1 += slopes.per_row[1];
+    e2 += slopes.per_row[2];
+    nearness += slopes.nearness_per_row;
   }
 }
 
-// Calls body as ForGroups does for one triangle that the tile shows in part.
+// The same for wider boxes, and only for groups that may be inside.
+template <typename Int, typename Body>
+WINDHOVER_INLINE void ForWideRows(const Slopes<Int>& slopes, const Box& box, Body& body) {
+  constexpr int kWide = 3 * kLanes;
+  const int columns = box.last_column - box.first_column;
+  double per_across[3];
+  for (int k = 0; k < 3; ++k) per_across[k] = 1.0 / slopes.edges[k].across;
+  for (int row = 0; row <= box.last_row - box.first_row; ++row) {
+    int from = 0, to = columns;
+    if (columns >= kWide) {
+      for (int k = 0; k < 3; ++k) slopes.edges[k].Limit(row, columns, per_across[k], &from, &to);
+      from &= -kLanes;
+    }
+    const Int group = from / kLanes;
+    auto e0 = slopes.e[0] + slopes.per_row[0] * Int{row} + slopes.per_group[0] * group;
+    auto e1 = slopes.e[1] + slopes.per_row[1] * Int{row} + slopes.per_group[1] * group;
+    auto e2 = slopes.e[2] + slopes.per_row[2] * Int{row} + slopes.per_group[2] * group;
+    Float8 nearness = slopes.nearness + slopes.nearness_per_row * static_cast<float>(row) +
+                      slopes.nearness_per_group * static_cast<float>(group);
+    for (int i = from; i <= to; i += kLanes) {
+      body(box.first_row + row, box.first_column + i, Narrow((e0 | e1 | e2) >= 0),
+           slopes.Bounded(nearness));
+      e0 += slopes.per_group[0];
+      e1 += slopes.per_group[1];
+      e2 += slopes.per_group[2];
+      nearness += slopes.nearness_per_group;
+    }
+  }
+}
+
+// Calls body as ForRows does for one triangle that the tile shows in part.
 template <typename Body>
 WINDHOVER_INLINE void DrawTriangle(const Corners& t, const Box& box, const SampleTile& tile,
                                    Body& body) {
@@ -181,16 +234,18 @@ WINDHOVER_INLINE void DrawTriangle(const Corners& t, const Box& box, const Sampl
       std::int64_t{tile.x0 + box.first_column} * kSampleSteps + kSampleSteps / 2;
   const std::int64_t y_steps =
       std::int64_t{tile.y0 + box.first_row} * kSampleSteps + kSampleSteps / 2;
-  if (t.Right() - t.Left() <= kMaxNarrow && t.Bottom() - t.Top() <= kMaxNarrow) {
-    ForGroups<std::int32_t>(t, box, x_steps, y_steps, body);
+  if (t.Right() - t.Left() > kMaxNarrow || t.Bottom() - t.Top() > kMaxNarrow) {
+    ForWideRows(Slopes<std::int64_t>(t, x_steps, y_steps), box, body);
+  } else if (box.last_column - box.first_column >= kLanes) {
+    ForWideRows(Slopes<std::int32_t>(t, x_steps, y_steps), box, body);
   } else {
-    ForGroups<std::int64_t>(t, box, x_steps, y_steps, body);
+    ForRows(Slopes<std::int32_t>(t, x_steps, y_steps), box, body);
   }
 }
 
 WINDHOVER_INLINE void Opaque(std::span<const RasterVertex> vertices,
                              std::span<const VertexTriple> triangles, Faces faces,
-                             const SampleTile& tile) {
+                             const SampleTile tile) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const RasterVertex &a = vertices[triangles[i][0]], *b = &vertices[triangles[i][1]],
                        *c = &vertices[triangles[i][2]];
@@ -217,31 +272,33 @@ WINDHOVER_INLINE void Opaque(std::span<const RasterVertex> vertices,
   }
 }
 
+using Float4 [[gnu::vector_size(16)]] = float;
+
+WINDHOVER_INLINE Float4 LoadLight(const std::array<float, 4>& from) {
+  Float4 light;
+  std::memcpy(&light, from.data(), sizeof light);
+  return light;
+}
+
 // Light and coverage over a triangle.
 struct LightPlanes {
-  WINDHOVER_INLINE LightPlanes(const Corners& t, const Box& box, const SampleTile& tile,
-                               const std::array<float, 4>& a, const std::array<float, 4>& b,
-                               const std::array<float, 4>& c) {
+  WINDHOVER_INLINE LightPlanes(const Corners& t, const Box& box, const SampleTile& tile, Float4 a,
+                               Float4 b, Float4 c) {
     const PlaneSolver solver(
         t, std::int64_t{tile.x0 + box.first_column} * kSampleSteps + kSampleSteps / 2,
         std::int64_t{tile.y0 + box.first_row} * kSampleSteps + kSampleSteps / 2);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Plane plane = solver.Solve(a[k], b[k], c[k]);
-      first[k] = static_cast<float>(plane.first);
-      per_column[k] = plane.per_column;
-      per_row[k] = plane.per_row;
-      lowest[k] = std::min({a[k], b[k], c[k]});
-      highest[k] = std::max({a[k], b[k], c[k]});
-    }
+    solver.Solve(a, b, c, &first, &per_column, &per_row);
+    lowest = a < b ? a : b;
+    lowest = lowest < c ? lowest : c;
+    highest = a > b ? a : b;
+    highest = highest > c ? highest : c;
   }
 
-  using Float4 [[gnu::vector_size(16)]] = float;
   Float4 first, per_column, per_row, lowest, highest;
 };
 
 WINDHOVER_INLINE void Blend(const LightPlanes& planes, float column, float row,
                             std::array<float, 4>* sample) {
-  using Float4 = LightPlanes::Float4;
   Float4 light = planes.first + column * planes.per_column + row * planes.per_row;
   light = light < planes.lowest ? planes.lowest : light;
   light = light > planes.highest ? planes.highest : light;
@@ -253,25 +310,33 @@ WINDHOVER_INLINE void Blend(const LightPlanes& planes, float column, float row,
 
 WINDHOVER_INLINE void Translucent(std::span<const RasterVertex> vertices,
                                   std::span<const std::array<float, 4>> light,
-                                  std::span<const VertexTriple> triangles, const SampleTile& tile,
-                                  const TranslucentTile& out) {
+                                  std::span<const VertexTriple> triangles, const SampleTile tile,
+                                  const TranslucentTile out) {
   for (const VertexTriple& t : triangles) {
     const Corners corners{vertices[t[0]], vertices[t[1]], vertices[t[2]],
                           FacingArea(vertices[t[0]], vertices[t[1]], vertices[t[2]])};
     if (corners.area <= 0 || light[t[0]][3] + light[t[1]][3] + light[t[2]][3] <= 0) continue;
     const Box box = BoxIn(corners, tile);
     if (box.IsEmpty()) continue;
-    const LightPlanes planes(corners, box, tile, light[t[0]], light[t[1]], light[t[2]]);
+    const LightPlanes planes(corners, box, tile, LoadLight(light[t[0]]), LoadLight(light[t[1]]),
+                             LoadLight(light[t[2]]));
     auto blend = [&](int row, int column, Int8 inside, Float8 nearness) {
       const std::ptrdiff_t at = std::ptrdiff_t{row} * tile.stride + column;
       const Int8 shows = inside & (nearness > LoadFloats(tile.nearness + at));
-      for (int i = 0; i < kLanes; ++i) {
-        if (shows[i] == 0 || column + i >= tile.width) continue;
+      std::int32_t lanes[kLanes];
+      std::memcpy(lanes, &shows, sizeof lanes);
+      const int end = std::min(kLanes, tile.width - column);
+      int first = end, last = 0;
+      for (int i = 0; i < end; ++i) {
+        if (lanes[i] == 0) continue;
         Blend(planes, static_cast<float>(column + i - box.first_column),
               static_cast<float>(row - box.first_row), out.light + at + i);
-        out.first[row] = std::min(out.first[row], column + i);
-        out.last[row] = std::max(out.last[row], column + i + 1);
+        first = std::min(first, i);
+        last = i + 1;
       }
+      if (last == 0) return;
+      out.first[row] = std::min(out.first[row], column + first);
+      out.last[row] = std::max(out.last[row], column + last);
     };
     DrawTriangle(corners, box, tile, blend);
   }
