@@ -73,7 +73,7 @@ class GlCanvas final : public TargetCanvas {
   explicit GlCanvas(std::unique_ptr<GlContext> context);
   ~GlCanvas() override;
 
-  std::array<int, 2> MaxSize() const override { return {kMaxSize, kMaxSize}; }
+  TileLimits Limits() const override { return {kMaxSize, kMaxSize, kMaxSize * kMaxSize}; }
   void Load(const TargetDrawing& drawing, int samples_per_px) override {
     drawing_ = &drawing;
     samples_per_px_ = samples_per_px;
@@ -89,7 +89,7 @@ class GlCanvas final : public TargetCanvas {
   GLuint Compile(GLenum type, const char* source);
   void Begin(int width, int height);
   void DrawSurface(Surface surface, const std::vector<CanvasVertex>& vertices,
-                   const std::vector<VertexTriple>& triangles);
+                   const ProjectedMesh::Triangles& triangles);
   void Read(int width, int height);
 
   std::unique_ptr<GlContext> context_;
@@ -191,7 +191,7 @@ void GlCanvas::Begin(int width, int height) {
 }
 
 void GlCanvas::DrawSurface(Surface surface, const std::vector<CanvasVertex>& vertices,
-                           const std::vector<VertexTriple>& triangles) {
+                           const ProjectedMesh::Triangles& triangles) {
   if (triangles.empty()) return;
   const bool is_translucent = surface == Surface::kTranslucent;
   (surface == Surface::kOpen ? gl_.Disable : gl_.Enable)(GL_CULL_FACE);

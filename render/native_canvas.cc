@@ -79,7 +79,7 @@ class NativeCanvas final : public TargetCanvas {
  public:
   explicit NativeCanvas(RasterIsa isa) : isa_(isa) {}
 
-  std::array<int, 2> MaxSize() const override { return {1024, 512}; }
+  TileLimits Limits() const override { return {2048, 2048, 65536}; }
   void Load(const TargetDrawing& drawing, int samples_per_px) override;
   void Draw(const PixelRect& shown) override;
   std::span<const Pixel> Samples() override;
@@ -123,8 +123,9 @@ void NativeCanvas::Load(const TargetDrawing& drawing, int samples_per_px) {
   drawing_ = &drawing;
   samples_per_px_ = samples_per_px;
   per_sample_ = (65536 + samples_per_px - 1) / samples_per_px;
-  body_.Set(drawing.body, drawing.bounds, samples_per_px);
-  discs_.Set(drawing.discs, drawing.bounds, samples_per_px);
+  const Faces faces = drawing.target->model->IsWatertight() ? Faces::kFront : Faces::kBoth;
+  body_.Set(drawing.body, faces, drawing.bounds, samples_per_px);
+  discs_.Set(drawing.discs, Faces::kFront, drawing.bounds, samples_per_px);
   disc_light_.resize(discs_.Vertices().size());
   for (std::size_t i = 0; i < disc_light_.size(); ++i) {
     const float alpha = drawing.disc_alphas[i];
@@ -142,14 +143,13 @@ void NativeCanvas::Draw(const PixelRect& shown) {
            .y0 = shown.y0 * s,
            .width = shown.width * s,
            .height = shown.height * s,
-           .stride = shown.width * s + SampleTile::kPadding};
+           .stride = (shown.width * s + 2 * SampleTile::kPadding - 1) & -SampleTile::kPadding};
   const auto size = static_cast<std::size_t>(Start(tile_.height));
   nearness_.assign(size, 0);
   nearest_.assign(size, 0);
   tile_.nearness = nearness_.data();
   tile_.nearest = nearest_.data();
-  const Faces faces = drawing_->target->model->IsWatertight() ? Faces::kFront : Faces::kBoth;
-  DrawOpaque(isa_, body_.Vertices(), body_.Triangles(), faces, tile_);
+  DrawOpaque(isa_, body_.Vertices(), body_.Triangles(), tile_);
   ClearTranslucent();
   DrawTranslucent(isa_, discs_.Vertices(), disc_light_, discs_.Triangles(), tile_,
                   {translucent_.data(), first_.data(), last_.data()});
@@ -161,19 +161,16 @@ void NativeCanvas::ClearTranslucent() {
   first_.assign(rows, tile_.width);
   last_.assign(rows, 0);
   if (translucent_.size() < nearness_.size()) translucent_.resize(nearness_.size());
-  std::int32_t left = RasterVertex::kMaxPlace, right = -left, top = left, bottom = -left;
-  for (const VertexTriple& t : discs_.Triangles()) {
-    for (const std::uint32_t i : t) {
-      left = std::min(left, discs_.Vertices()[i].x);
-      right = std::max(right, discs_.Vertices()[i].x);
-      top = std::min(top, discs_.Vertices()[i].y);
-      bottom = std::max(bottom, discs_.Vertices()[i].y);
-    }
-  }
-  const int from = std::max(left / kSampleSteps - 1 - tile_.x0, 0);
-  const int to = std::min(right / kSampleSteps + 1 - tile_.x0, tile_.width);
-  const int first_row = std::max(top / kSampleSteps - 1 - tile_.y0, 0);
-  const int last_row = std::min(bottom / kSampleSteps + 1 - tile_.y0, tile_.height - 1);
+  const ImageBounds& discs = drawing_->discs.bounds;
+  const auto sample_at = [this](double px, int first, int limit) {
+    const double sample = std::floor((px + 0.5) * samples_per_px_) - first;
+    return static_cast<int>(std::clamp(sample, -1.0, limit + 1.0));
+  };
+  const int from = std::max(sample_at(discs.x_min, tile_.x0, tile_.width) - 1, 0);
+  const int to = std::min(sample_at(discs.x_max, tile_.x0, tile_.width) + 2, tile_.width);
+  const int first_row = std::max(sample_at(discs.y_min, tile_.y0, tile_.height) - 1, 0);
+  const int last_row =
+      std::min(sample_at(discs.y_max, tile_.y0, tile_.height) + 1, tile_.height - 1);
   for (int row = first_row; row <= last_row && from < to; ++row) {
     std::fill_n(translucent_.begin() + Start(row) + from, to - from, std::array<float, 4>{});
   }
@@ -185,7 +182,7 @@ const Shade& NativeCanvas::ShadeOf(std::uint32_t index) {
     std::array<RasterVertex, 3> corners;
     std::array<Float4, 3> light;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t i = body_.Triangles()[index - 1][k];
+      const std::uint32_t i = body_.Triangles()[index - 1].corners[k];
       corners[k] = body_.Vertices()[i];
       const Eigen::Vector3f clipped = drawing_->target->body_light[i].cwiseMin(1);
       light[k] = Float4{clipped.x(), clipped.y(), clipped.z(), 1};

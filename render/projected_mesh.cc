@@ -24,6 +24,11 @@ void ProjectEach(const Mesh& mesh, const Camera& camera, const RowPoses& X_CB, s
   }
 }
 
+struct Batch {
+  float p_B[3][kBatch];
+  double x_px[kBatch], y_px[kBatch], inverse_depth[kBatch];
+};
+
 struct BatchPose {
   double R[9], t[3];  // Row by row.
 };
@@ -31,23 +36,22 @@ struct BatchPose {
 // PinholeRadtan::Project for many points at once. Returns false if it might have no answer for one
 // of them: by the bound with which GrowsUntil there begins, or by the distortion's determinant.
 __attribute__((target_clones("default", "avx2", "avx512f"))) bool ProjectBatch(
-    const PinholeRadtan& m, const BatchPose& pose, const float (*p_B)[3], double* x_px,
-    double* y_px, double* inverse_depth) {
+    const PinholeRadtan m, const BatchPose pose, Batch* batch) {
   const double c = std::min(3 * m.k1, 0.0), b = std::min(10 * m.k2, 0.0) / 2,
                a = std::min(21 * m.k3, 0.0) / 3;
   const double *R = pose.R, *t = pose.t;
   double worst[kBatch];
   for (std::size_t i = 0; i < kBatch; ++i) {
-    const double px = p_B[i][0], py = p_B[i][1], pz = p_B[i][2];
-    const double depth_m = R[6] * px + R[7] * py + R[8] * pz + t[2];
-    const double x = (R[0] * px + R[1] * py + R[2] * pz + t[0]) / depth_m;
-    const double y = (R[3] * px + R[4] * py + R[5] * pz + t[1]) / depth_m;
+    const double px = batch->p_B[0][i], py = batch->p_B[1][i], pz = batch->p_B[2][i];
+    const double depth_m = R[6] * px + R[7] * py + R[8] * pz + t[2], inverse = 1 / depth_m;
+    const double x = (R[0] * px + R[1] * py + R[2] * pz + t[0]) * inverse;
+    const double y = (R[3] * px + R[4] * py + R[5] * pz + t[1]) * inverse;
     const double r2 = x * x + y * y;
     const double radial = 1 + r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3));
     const double slope = m.k1 + r2 * (2 * m.k2 + r2 * 3 * m.k3);
-    x_px[i] = m.fx_px * (x * radial + 2 * m.p1 * x * y + m.p2 * (r2 + 2 * x * x)) + m.cx_px;
-    y_px[i] = m.fy_px * (y * radial + m.p1 * (r2 + 2 * y * y) + 2 * m.p2 * x * y) + m.cy_px;
-    inverse_depth[i] = 1 / depth_m;
+    batch->x_px[i] = m.fx_px * (x * radial + 2 * m.p1 * x * y + m.p2 * (r2 + 2 * x * x)) + m.cx_px;
+    batch->y_px[i] = m.fy_px * (y * radial + m.p1 * (r2 + 2 * y * y) + 2 * m.p2 * x * y) + m.cy_px;
+    batch->inverse_depth[i] = inverse;
     const double shear = 2 * x * y * slope + 2 * m.p1 * x + 2 * m.p2 * y;
     const double dx = radial + 2 * x * x * slope + 2 * m.p1 * y + 6 * m.p2 * x;
     const double dy = radial + 2 * y * y * slope + 6 * m.p1 * y + 2 * m.p2 * x;
@@ -68,20 +72,20 @@ void ProjectPinhole(const Mesh& mesh, const PinholeRadtan& camera, const RowPose
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.R) = X.linear();
   Eigen::Map<Eigen::Vector3d>(pose.t) = X.translation();
   const std::size_t n = mesh.positions.size();
-  float p_B[kBatch][3];
-  double x_px[kBatch], y_px[kBatch], inverse_depth[kBatch];
+  Batch batch;
   for (std::size_t first = 0; first < n; first += kBatch) {
     const std::size_t count = std::min(kBatch, n - first);
     for (std::size_t i = 0; i < kBatch; ++i) {
-      std::copy_n(mesh.positions[first + std::min(i, count - 1)].data(), 3, p_B[i]);
+      const Eigen::Vector3f& p_B = mesh.positions[first + std::min(i, count - 1)];
+      for (int axis = 0; axis < 3; ++axis) batch.p_B[axis][i] = p_B[axis];
     }
-    if (!ProjectBatch(camera, pose, p_B, x_px, y_px, inverse_depth)) {
+    if (!ProjectBatch(camera, pose, &batch)) {
       ProjectEach(mesh, camera, X_CB, first, count, projected);
       continue;
     }
-    std::copy_n(x_px, count, projected->x_px.data() + first);
-    std::copy_n(y_px, count, projected->y_px.data() + first);
-    std::copy_n(inverse_depth, count, projected->inverse_depth_per_m.data() + first);
+    std::copy_n(batch.x_px, count, projected->x_px.data() + first);
+    std::copy_n(batch.y_px, count, projected->y_px.data() + first);
+    std::copy_n(batch.inverse_depth, count, projected->inverse_depth_per_m.data() + first);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace windhover {
 namespace {
@@ -15,9 +16,15 @@ std::int32_t StepAt(double place_px, double steps_per_px) {
   return static_cast<std::int32_t>(bounded + (kReach + 0.5)) - RasterVertex::kMaxPlace;
 }
 
+// Vertices out of reach stay at its end, and their triangles are left out.
+bool IsInReach(const RasterVertex& v) {
+  return std::max(std::abs(v.x), std::abs(v.y)) < RasterVertex::kMaxPlace;
+}
+
 }  // namespace
 
-void RasterMesh::Set(const ProjectedMesh& mesh, const ImageBounds& bounds, int samples_per_px) {
+void RasterMesh::Set(const ProjectedMesh& mesh, Faces faces, const ImageBounds& bounds,
+                     int samples_per_px) {
   const double steps_per_px = static_cast<double>(samples_per_px) * kSampleSteps;
   const double margin = 1e-3 * bounds.inverse_near, farthest = bounds.inverse_far - margin;
   const double per_inverse = 1 / (bounds.inverse_near - farthest);
@@ -26,17 +33,20 @@ void RasterMesh::Set(const ProjectedMesh& mesh, const ImageBounds& bounds, int s
     vertices_[i] = {StepAt(mesh.x_px[i], steps_per_px), StepAt(mesh.y_px[i], steps_per_px),
                     static_cast<float>((mesh.inverse_depth_per_m[i] - farthest) * per_inverse)};
   }
-  triangles_ = mesh.SeenTriangles();
-  const double reach_px = kReach / steps_per_px - 1;
-  if (std::max({-bounds.x_min, bounds.x_max, -bounds.y_min, bounds.y_max}) < reach_px) return;
-  const auto is_near = [&](std::uint32_t i) {
-    return std::abs(mesh.x_px[i]) < reach_px && std::abs(mesh.y_px[i]) < reach_px;
-  };
-  in_reach_.clear();
-  for (const VertexTriple& t : triangles_) {
-    if (is_near(t[0]) && is_near(t[1]) && is_near(t[2])) in_reach_.push_back(t);
+  triangles_.clear();
+  for (const auto& t : mesh.SeenTriangles()) {
+    const RasterVertex &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
+    const std::int64_t area = FacingArea(a, b, c);
+    if (area == 0 || (area < 0 && faces == Faces::kFront)) continue;
+    const int first_row = FirstSampleAt(std::min({a.y, b.y, c.y}));
+    const int last_row = LastSampleAt(std::max({a.y, b.y, c.y}));
+    const bool has_columns =
+        FirstSampleAt(std::min({a.x, b.x, c.x})) <= LastSampleAt(std::max({a.x, b.x, c.x}));
+    if (first_row > last_row || !has_columns) continue;
+    if (!IsInReach(a) || !IsInReach(b) || !IsInReach(c)) continue;
+    triangles_.push_back(
+        {{t[0], area > 0 ? t[1] : t[2], area > 0 ? t[2] : t[1]}, first_row, last_row});
   }
-  triangles_ = in_reach_;
 }
 
 }  // namespace windhover

@@ -32,8 +32,11 @@ class TargetCanvas {
 
   virtual ~TargetCanvas() = default;
 
-  /// Columns and rows of samples that one Draw may show.
-  virtual std::array<int, 2> MaxSize() const = 0;
+  /// What one Draw may show, in samples.
+  struct TileLimits {
+    int columns, rows, samples;
+  };
+  virtual TileLimits Limits() const = 0;
 
   /// Makes ready what the next calls of Draw show, which refer to `drawing`.
   virtual void Load(const TargetDrawing& drawing, int samples_per_px) = 0;

@@ -126,9 +126,11 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera
 void TargetPass::Gather(const TargetDrawing& drawing, Gathering* gathering) {
   const PixelRect& region = gathering->region;
   if (region.IsEmpty()) return;
-  const auto [columns, rows] = canvas_->MaxSize();
-  const int width = columns / gathering->samples_per_px, height = rows / gathering->samples_per_px;
-  canvas_->Load(drawing, gathering->samples_per_px);
+  const TargetCanvas::TileLimits limits = canvas_->Limits();
+  const int s = gathering->samples_per_px;
+  const int width = std::min(limits.columns / s, region.width);
+  const int height = std::clamp(limits.samples / (s * s * width), 1, limits.rows / s);
+  canvas_->Load(drawing, s);
   for (int y = 0; y < region.height; y += height) {
     for (int x = 0; x < region.width; x += width) {
       const PixelRect shown{region.x0 + x, region.y0 + y, std::min(width, region.width - x),
@@ -142,7 +144,7 @@ void TargetPass::Gather(const TargetDrawing& drawing, Gathering* gathering) {
         canvas_->AddPixels(gathering->sum.PixelsAt(shown.x0, shown.y0), gathering->sum.Stride());
         continue;
       }
-      boxes_.Set(canvas_->Samples(), shown, gathering->samples_per_px);
+      boxes_.Set(canvas_->Samples(), shown, s);
       for (const SampleShift& shift : gathering->shifts) gathering->sum.Add(boxes_, shift);
     }
   }

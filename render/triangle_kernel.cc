@@ -49,11 +49,6 @@ struct Box {
   bool IsEmpty() const { return first_column > last_column || first_row > last_row; }
 };
 
-// The first sample whose centre is at or beyond `place`, and the last at or before it.
-WINDHOVER_INLINE int FirstAt(std::int32_t place) { return (place + kSampleSteps / 2 - 1) >> 8; }
-WINDHOVER_INLINE int LastAt(std::int32_t place) { return (place - kSampleSteps / 2) >> 8; }
-static_assert(kSampleSteps == 256);
-
 struct Corners {
   const RasterVertex &a, &b, &c;
   std::int64_t area;  ///< Of FacingArea, positive.
@@ -64,12 +59,20 @@ struct Corners {
   WINDHOVER_INLINE std::int32_t Bottom() const { return std::max({a.y, b.y, c.y}); }
 };
 
-// Samples of the tile, counted from its first, that the triangle's box holds.
+WINDHOVER_INLINE Corners CornersOf(std::span<const RasterVertex> vertices,
+                                   const RasterTriangle& triangle) {
+  const RasterVertex &a = vertices[triangle.corners[0]], &b = vertices[triangle.corners[1]],
+                     &c = vertices[triangle.corners[2]];
+  return {a, b, c, FacingArea(a, b, c)};
+}
+
+// Samples of the tile, counted from its first, that the triangle's box holds; from a multiple of
+// kLanes on, so that groups do not overlap what another triangle has just written.
 WINDHOVER_INLINE Box BoxIn(const Corners& t, const SampleTile& tile) {
-  return {std::max(FirstAt(t.Left()) - tile.x0, 0),
-          std::min(LastAt(t.Right()) - tile.x0, tile.width - 1),
-          std::max(FirstAt(t.Top()) - tile.y0, 0),
-          std::min(LastAt(t.Bottom()) - tile.y0, tile.height - 1)};
+  return {std::max(FirstSampleAt(t.Left()) - tile.x0, 0) & -kLanes,
+          std::min(LastSampleAt(t.Right()) - tile.x0, tile.width - 1),
+          std::max(FirstSampleAt(t.Top()) - tile.y0, 0),
+          std::min(LastSampleAt(t.Bottom()) - tile.y0, tile.height - 1)};
 }
 
 // Something affine in the image, from its values at the corners.
@@ -244,18 +247,11 @@ WINDHOVER_INLINE void DrawTriangle(const Corners& t, const Box& box, const Sampl
 }
 
 WINDHOVER_INLINE void Opaque(std::span<const RasterVertex> vertices,
-                             std::span<const VertexTriple> triangles, Faces faces,
-                             const SampleTile tile) {
+                             std::span<const RasterTriangle> triangles, const SampleTile tile) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const RasterVertex &a = vertices[triangles[i][0]], *b = &vertices[triangles[i][1]],
-                       *c = &vertices[triangles[i][2]];
-    std::int64_t area = FacingArea(a, *b, *c);
-    if (area < 0 && faces == Faces::kBoth) {
-      std::swap(b, c);
-      area = -area;
-    }
-    if (area <= 0) continue;
-    const Corners corners{a, *b, *c, area};
+    const RasterTriangle& triangle = triangles[i];
+    if (triangle.last_row < tile.y0 || triangle.first_row >= tile.y0 + tile.height) continue;
+    const Corners corners = CornersOf(vertices, triangle);
     const Box box = BoxIn(corners, tile);
     if (box.IsEmpty()) continue;
     const Int8 index = Int8{} + static_cast<std::int32_t>(i + 1);
@@ -310,12 +306,13 @@ WINDHOVER_INLINE void Blend(const LightPlanes& planes, float column, float row,
 
 WINDHOVER_INLINE void Translucent(std::span<const RasterVertex> vertices,
                                   std::span<const std::array<float, 4>> light,
-                                  std::span<const VertexTriple> triangles, const SampleTile tile,
+                                  std::span<const RasterTriangle> triangles, const SampleTile tile,
                                   const TranslucentTile out) {
-  for (const VertexTriple& t : triangles) {
-    const Corners corners{vertices[t[0]], vertices[t[1]], vertices[t[2]],
-                          FacingArea(vertices[t[0]], vertices[t[1]], vertices[t[2]])};
-    if (corners.area <= 0 || light[t[0]][3] + light[t[1]][3] + light[t[2]][3] <= 0) continue;
+  for (const RasterTriangle& triangle : triangles) {
+    if (triangle.last_row < tile.y0 || triangle.first_row >= tile.y0 + tile.height) continue;
+    const auto& t = triangle.corners;
+    if (light[t[0]][3] + light[t[1]][3] + light[t[2]][3] <= 0) continue;
+    const Corners corners = CornersOf(vertices, triangle);
     const Box box = BoxIn(corners, tile);
     if (box.IsEmpty()) continue;
     const LightPlanes planes(corners, box, tile, LoadLight(light[t[0]]), LoadLight(light[t[1]]),
@@ -342,17 +339,17 @@ WINDHOVER_INLINE void Translucent(std::span<const RasterVertex> vertices,
   }
 }
 
-#define WINDHOVER_RASTER(isa, name)                                                                \
-  __attribute__((target(isa), flatten)) void Opaque##name(std::span<const RasterVertex> vertices,  \
-                                                          std::span<const VertexTriple> triangles, \
-                                                          Faces faces, const SampleTile& tile) {   \
-    Opaque(vertices, triangles, faces, tile);                                                      \
-  }                                                                                                \
-  __attribute__((target(isa), flatten)) void Translucent##name(                                    \
-      std::span<const RasterVertex> vertices, std::span<const std::array<float, 4>> light,         \
-      std::span<const VertexTriple> triangles, const SampleTile& tile,                             \
-      const TranslucentTile& out) {                                                                \
-    Translucent(vertices, light, triangles, tile, out);                                            \
+#define WINDHOVER_RASTER(isa, name)                                                        \
+  __attribute__((target(isa), flatten)) void Opaque##name(                                 \
+      std::span<const RasterVertex> vertices, std::span<const RasterTriangle> triangles,   \
+      const SampleTile& tile) {                                                            \
+    Opaque(vertices, triangles, tile);                                                     \
+  }                                                                                        \
+  __attribute__((target(isa), flatten)) void Translucent##name(                            \
+      std::span<const RasterVertex> vertices, std::span<const std::array<float, 4>> light, \
+      std::span<const RasterTriangle> triangles, const SampleTile& tile,                   \
+      const TranslucentTile& out) {                                                        \
+    Translucent(vertices, light, triangles, tile, out);                                    \
   }
 WINDHOVER_RASTER("sse2", Sse2)
 WINDHOVER_RASTER("avx2", Avx2)
@@ -382,16 +379,16 @@ RasterIsa BestRasterIsa() {
 }
 
 void DrawOpaque(RasterIsa isa, std::span<const RasterVertex> vertices,
-                std::span<const VertexTriple> triangles, Faces faces, const SampleTile& tile) {
+                std::span<const RasterTriangle> triangles, const SampleTile& tile) {
   const auto draw = isa == RasterIsa::kAvx512 ? OpaqueAvx512
                     : isa == RasterIsa::kAvx2 ? OpaqueAvx2
                                               : OpaqueSse2;
-  draw(vertices, triangles, faces, tile);
+  draw(vertices, triangles, tile);
 }
 
 void DrawTranslucent(RasterIsa isa, std::span<const RasterVertex> vertices,
                      std::span<const std::array<float, 4>> light,
-                     std::span<const VertexTriple> triangles, const SampleTile& tile,
+                     std::span<const RasterTriangle> triangles, const SampleTile& tile,
                      const TranslucentTile& translucent) {
   const auto draw = isa == RasterIsa::kAvx512 ? TranslucentAvx512
                     : isa == RasterIsa::kAvx2 ? TranslucentAvx2

@@ -17,7 +17,11 @@ struct RasterVertex {
   float nearness;
 };
 
-using VertexTriple = std::array<std::uint32_t, 3>;
+/// A triangle whose front faces the camera, and the rows of samples that it may cover.
+struct RasterTriangle {
+  std::array<std::uint32_t, 3> corners;
+  std::int32_t first_row, last_row;
+};
 
 /// Twice the area in square steps of a triangle, positive if its front faces the camera: if its
 /// corners go counter-clockwise where y points down.
@@ -27,8 +31,8 @@ inline std::int64_t FacingArea(const RasterVertex& a, const RasterVertex& b,
          (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y);
 }
 
-/// A rectangle of samples and what is seen in each so far. Rows hold `stride` samples, of which
-/// kPadding at least are beyond the last of the rectangle and may be overwritten.
+/// A rectangle of samples and what is seen in each so far. Rows hold `stride` samples, a multiple
+/// of kPadding; one at least is beyond the last of the rectangle, and such may be overwritten.
 struct SampleTile {
   static constexpr int kPadding = 8;
   int x0 = 0, y0 = 0, width = 0, height = 0, stride = 0;
@@ -43,12 +47,15 @@ struct TranslucentTile {
   int *first = nullptr, *last = nullptr;
 };
 
+/// The first sample whose centre is at or beyond `place` (in steps), and the last at or before it.
+inline int FirstSampleAt(std::int32_t place) { return (place + kSampleSteps / 2 - 1) >> 8; }
+inline int LastSampleAt(std::int32_t place) { return (place - kSampleSteps / 2) >> 8; }
+static_assert(kSampleSteps == 256);
+
 /// Instruction sets that the functions below exist for; all give the same bits.
 enum class RasterIsa { kSse2, kAvx2, kAvx512 };
 bool IsSupported(RasterIsa isa);
 RasterIsa BestRasterIsa();
-
-enum class Faces { kFront, kBoth };
 
 /// Draws triangles where they are nearer than what is there, which keeps its place in a tie.
 /// Samples are inside by exact integers; of two triangles that share an edge, each sample on it
@@ -56,13 +63,13 @@ enum class Faces { kFront, kBoth };
 ///
 /// Source: J. Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH 1988.
 void DrawOpaque(RasterIsa isa, std::span<const RasterVertex> vertices,
-                std::span<const VertexTriple> triangles, Faces faces, const SampleTile& tile);
+                std::span<const RasterTriangle> triangles, const SampleTile& tile);
 
-/// Blends the front faces of translucent triangles, in order, over `translucent` where they are
+/// Blends translucent triangles, in order, over `translucent` where they are
 /// nearer than what `tile` holds. `light`: premultiplied RGB and coverage, one a vertex, 0 to 1.
 void DrawTranslucent(RasterIsa isa, std::span<const RasterVertex> vertices,
                      std::span<const std::array<float, 4>> light,
-                     std::span<const VertexTriple> triangles, const SampleTile& tile,
+                     std::span<const RasterTriangle> triangles, const SampleTile& tile,
                      const TranslucentTile& translucent);
 
 }  // namespace windhover
