@@ -19,6 +19,7 @@ struct SnapshotOptions {
   std::vector<std::string> overrides;
   double time_s = 0;
   std::string out;
+  bool dense = false;
 };
 
 int Snapshot(const SnapshotOptions& options) {
@@ -36,8 +37,17 @@ int Snapshot(const SnapshotOptions& options) {
   int status = RunTool(
       {ProgramFolder() / "windhover-sim", resolved.string(), "--truth-at", time_s, "--out", truth});
   if (status == 0) {
-    status = RunTool({ProgramFolder() / "windhover-render", "--snapshot", resolved.string(),
-                      "--time", time_s, "--truth", truth, "--out", options.out});
+    std::vector<std::string> render = {ProgramFolder() / "windhover-render",
+                                       "--snapshot",
+                                       resolved.string(),
+                                       "--time",
+                                       time_s,
+                                       "--truth",
+                                       truth,
+                                       "--out",
+                                       options.out};
+    if (options.dense) render.push_back("--dense");
+    status = RunTool(render);
   }
   fs::remove(truth);
   if (status != 0) return status;
@@ -56,6 +66,8 @@ void AddSnapshotCommand(CLI::App& app, CommandAction* chosen) {
   command->add_option("--out", options->out, "folder to write to")->required();
   command->add_option("--set", options->overrides, "a.b.c=value, as for run")
       ->allow_extra_args(false);
+  command->add_flag("--dense", options->dense,
+                    "also depth_*.tiff (m), disparity.tiff (px) and mask_*.png");
   command->footer("Example: windhover snapshot scenarios/uavde_12mm.yaml --time 5 --out shot");
   command->callback([=] { *chosen = [=] { return Snapshot(*options); }; });
 }

@@ -7,6 +7,7 @@
 namespace windhover {
 namespace {
 
+using Eigen::Vector3f;
 using Triangle = std::array<std::uint32_t, 3>;
 
 // Halves long edges once. The midpoint of an edge is made once per pair of vertices.
@@ -74,6 +75,46 @@ class EdgeSplitter {
   std::unordered_map<std::uint64_t, std::uint32_t> midpoints_;
 };
 
+// Directions at most `width` (as a distance) from an axis.
+struct Cone {
+  Vector3f axis;
+  float width = 0;
+  std::vector<Vector3f> directions;
+};
+
+// Each of `directions` with the nearest of `axes`.
+std::vector<Cone> DividedAmong(const std::vector<Vector3f>& axes,
+                               const std::vector<Vector3f>& directions) {
+  std::vector<Cone> cones;
+  for (const Vector3f& axis : axes) cones.push_back({axis, 0, {}});
+  for (const Vector3f& d : directions) {
+    Cone* nearest = &cones.front();
+    for (Cone& cone : cones) {
+      if (cone.axis.dot(d) > nearest->axis.dot(d)) nearest = &cone;
+    }
+    nearest->width = std::max(nearest->width, (d - nearest->axis).norm());
+    nearest->directions.push_back(d);
+  }
+  return cones;
+}
+
+// The vertices that may be the farthest in one of the cone's directions.
+std::vector<std::uint32_t> FarthestIn(const Cone& cone, const std::vector<Vector3f>& positions,
+                                      const Eigen::AlignedBox3f& box) {
+  std::vector<float> along(positions.size());
+  const Vector3f centre = box.center();
+  for (std::size_t i = 0; i < along.size(); ++i) along[i] = (positions[i] - centre).dot(cone.axis);
+  // Off the axis a vertex gains, and the farthest loses, at most radius · width; and rounding.
+  const float radius = box.diagonal().norm() / 2;
+  const float least =
+      *std::max_element(along.begin(), along.end()) - radius * (2 * cone.width + 1e-4f);
+  std::vector<std::uint32_t> candidates;
+  for (std::uint32_t i = 0; i < along.size(); ++i) {
+    if (along[i] >= least) candidates.push_back(i);
+  }
+  return candidates;
+}
+
 }  // namespace
 
 void Append(const Mesh& part, Mesh* mesh) {
@@ -113,20 +154,24 @@ std::vector<Eigen::Vector3f> SphereDirections(int count) {
   return directions;
 }
 
-std::vector<std::uint32_t> ExtremeVertices(const std::vector<Eigen::Vector3f>& positions) {
-  std::vector<Eigen::Vector3f> directions = SphereDirections(4096);
+std::vector<std::uint32_t> ExtremeVertices(const std::vector<Vector3f>& positions) {
+  if (positions.empty()) return {};
+  std::vector<Vector3f> directions = SphereDirections(4096);
   for (int axis = 0; axis < 3; ++axis) {
-    directions.push_back(Eigen::Vector3f::Unit(axis));
-    directions.push_back(-Eigen::Vector3f::Unit(axis));
+    directions.push_back(Vector3f::Unit(axis));
+    directions.push_back(-Vector3f::Unit(axis));
   }
+  Eigen::AlignedBox3f box;
+  for (const Vector3f& p : positions) box.extend(p);
   std::vector<std::uint32_t> extreme;
-  for (const Eigen::Vector3f& d : directions) {
-    if (positions.empty()) break;
-    std::uint32_t best = 0;
-    for (std::uint32_t i = 1; i < positions.size(); ++i) {
-      if (positions[i].dot(d) > positions[best].dot(d)) best = i;
+  for (const Cone& cone : DividedAmong(SphereDirections(256), directions)) {
+    const auto candidates = FarthestIn(cone, positions, box);
+    for (const Vector3f& d : cone.directions) {
+      extreme.push_back(*std::max_element(candidates.begin(), candidates.end(),
+                                          [&](std::uint32_t a, std::uint32_t b) {
+                                            return positions[a].dot(d) < positions[b].dot(d);
+                                          }));
     }
-    extreme.push_back(best);
   }
   std::sort(extreme.begin(), extreme.end());
   extreme.erase(std::unique(extreme.begin(), extreme.end()), extreme.end());

@@ -77,7 +77,7 @@ Shade MakeShade(const std::array<RasterVertex, 3>& v, const std::array<Float4, 3
 // where it is seen, run by run of samples of one triangle.
 class NativeCanvas final : public TargetCanvas {
  public:
-  explicit NativeCanvas(RasterIsa isa) : isa_(isa) {}
+  explicit NativeCanvas(InstructionSet isa) : isa_(isa) {}
 
   TileLimits Limits() const override { return {2048, 2048, 65536}; }
   void Load(const TargetDrawing& drawing, int samples_per_px) override;
@@ -102,7 +102,7 @@ class NativeCanvas final : public TargetCanvas {
   // Of a sample's column, without a division: exact below 2^13.
   int PixelOf(int column) const { return column * per_sample_ >> 16; }
 
-  RasterIsa isa_;
+  InstructionSet isa_;
   int per_sample_ = 65536;
   const TargetDrawing* drawing_ = nullptr;
   RasterMesh body_, discs_;
@@ -290,7 +290,7 @@ void NativeCanvas::ReadCover(std::vector<TargetLayer::Sample>* cover) {
 
 }  // namespace
 
-std::unique_ptr<TargetCanvas> MakeNativeCanvas(RasterIsa isa) {
+std::unique_ptr<TargetCanvas> MakeNativeCanvas(InstructionSet isa) {
   return std::make_unique<NativeCanvas>(isa);
 }
 

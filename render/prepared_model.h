@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "render/environment.h"
@@ -14,9 +17,13 @@ struct DetailLevel {
   Mesh body;
   Eigen::AlignedBox3f box;  ///< Around body and discs.
   Mesh discs;  ///< Of the propellers; the same at each level, as their edges are short.
+  /// Bits of render/mesh_visibility.h and what ambient light arrives, one a vertex of the body.
+  std::vector<std::uint64_t> open_directions;
+  std::vector<float> ambient_openness;
 };
 
-/// A model made ready for drawing: short edges for lens distortion, self-shading, outline.
+/// A model made ready for drawing: short edges for lens distortion, self-shading. Levels are made
+/// when they are first asked for. Any thread may ask.
 class PreparedModel {
  public:
   /// `radius_m`: of a ball about B's origin that holds the model.
@@ -27,20 +34,20 @@ class PreparedModel {
   /// k2 = 0.4 (docs/sources.md); the finest level if none is fine enough.
   const DetailLevel& LevelFor(double depth_m, double focal_px) const;
 
-  /// Bits of render/mesh_visibility.h of vertex `i` of the body, the same at each level.
-  std::uint64_t OpenDirectionsOf(std::size_t i) const { return open_directions_[i]; }
-  float AmbientOpennessOf(std::size_t i) const { return ambient_openness_[i]; }
-  const std::vector<Propeller>& Propellers() const { return propellers_; }
-  bool IsWatertight() const { return watertight_; }
+  const std::vector<Propeller>& Propellers() const { return model_.propellers; }
+  bool IsWatertight() const { return model_.watertight; }
 
  private:
-  // Coarse to fine; each begins with the vertices of the one before.
-  std::vector<DetailLevel> levels_;
-  std::vector<std::uint64_t> open_directions_;  ///< One a vertex of the finest body.
-  std::vector<float> ambient_openness_;
+  static constexpr std::size_t kLevels = 5;  ///< Each halves the edges of the one before.
+  float MaxEdge_m(std::size_t level) const;
+  const DetailLevel& Level(std::size_t level) const;
+
+  float size_m_;
+  /// Coarse to fine; each begins with the vertices of the one before.
+  mutable std::array<std::unique_ptr<const DetailLevel>, kLevels> levels_;
+  mutable std::mutex making_level_;
+  AircraftModel model_;
   double radius_m_;
-  std::vector<Propeller> propellers_;
-  bool watertight_;
 };
 
 /// A level with the light that its vertices reflect, linear RGB.

@@ -35,8 +35,8 @@ struct BatchPose {
 
 // PinholeRadtan::Project for many points at once. Returns false if it might have no answer for one
 // of them: by the bound with which GrowsUntil there begins, or by the distortion's determinant.
-__attribute__((target_clones("default", "avx2", "avx512f"))) bool ProjectBatch(
-    const PinholeRadtan m, const BatchPose pose, Batch* batch) {
+[[gnu::always_inline]] inline bool ProjectBatch(const PinholeRadtan m, const BatchPose pose,
+                                                Batch* batch) {
   const double c = std::min(3 * m.k1, 0.0), b = std::min(10 * m.k2, 0.0) / 2,
                a = std::min(21 * m.k3, 0.0) / 3;
   const double *R = pose.R, *t = pose.t;
@@ -65,8 +65,23 @@ __attribute__((target_clones("default", "avx2", "avx512f"))) bool ProjectBatch(
   return all;
 }
 
+bool ProjectSse2(const PinholeRadtan& m, const BatchPose& pose, Batch* batch) {
+  return ProjectBatch(m, pose, batch);
+}
+__attribute__((target("avx2"))) bool ProjectAvx2(const PinholeRadtan& m, const BatchPose& pose,
+                                                 Batch* batch) {
+  return ProjectBatch(m, pose, batch);
+}
+__attribute__((target("avx512f,avx512vl,avx512bw,avx512dq"))) bool ProjectAvx512(
+    const PinholeRadtan& m, const BatchPose& pose, Batch* batch) {
+  return ProjectBatch(m, pose, batch);
+}
+
 void ProjectPinhole(const Mesh& mesh, const PinholeRadtan& camera, const RowPoses& X_CB,
-                    ProjectedMesh* projected) {
+                    InstructionSet isa, ProjectedMesh* projected) {
+  const auto project = isa == InstructionSet::kAvx512 ? ProjectAvx512
+                       : isa == InstructionSet::kAvx2 ? ProjectAvx2
+                                                      : ProjectSse2;
   BatchPose pose;
   const Eigen::Isometry3d& X = X_CB.Middle();
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.R) = X.linear();
@@ -79,7 +94,7 @@ void ProjectPinhole(const Mesh& mesh, const PinholeRadtan& camera, const RowPose
       const Eigen::Vector3f& p_B = mesh.positions[first + std::min(i, count - 1)];
       for (int axis = 0; axis < 3; ++axis) batch.p_B[axis][i] = p_B[axis];
     }
-    if (!ProjectBatch(camera, pose, &batch)) {
+    if (!project(camera, pose, &batch)) {
       ProjectEach(mesh, camera, X_CB, first, count, projected);
       continue;
     }
@@ -109,7 +124,8 @@ void FindSeen(const Mesh& mesh, ProjectedMesh* out) {
 
 }  // namespace
 
-ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB) {
+ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB,
+                      InstructionSet isa) {
   ProjectedMesh projected;
   const std::size_t n = mesh.positions.size();
   projected.x_px.resize(n);
@@ -117,7 +133,7 @@ ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses&
   projected.inverse_depth_per_m.resize(n);
   camera.Visit([&](const auto& model) {
     if constexpr (std::is_same_v<std::decay_t<decltype(model)>, PinholeRadtan>) {
-      if (X_CB.IsOne()) return ProjectPinhole(mesh, model, X_CB, &projected);
+      if (X_CB.IsOne()) return ProjectPinhole(mesh, model, X_CB, isa, &projected);
     }
     ProjectEach(mesh, model, X_CB, 0, n, &projected);
   });

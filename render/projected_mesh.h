@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera/any_camera.h"
+#include "common/cpu/instruction_set.h"
 #include "render/mesh.h"
 #include "render/row_poses.h"
 
@@ -45,6 +46,7 @@ struct ProjectedMesh {
 };
 
 /// `mesh` as the camera sees it, its rows one after the other.
-ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB);
+ProjectedMesh Project(const Mesh& mesh, const AnyCamera& camera, const RowPoses& X_CB,
+                      InstructionSet isa = WidestInstructionSet());
 
 }  // namespace windhover

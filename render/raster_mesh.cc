@@ -26,8 +26,10 @@ bool IsInReach(const RasterVertex& v) {
 void RasterMesh::Set(const ProjectedMesh& mesh, Faces faces, const ImageBounds& bounds,
                      int samples_per_px) {
   const double steps_per_px = static_cast<double>(samples_per_px) * kSampleSteps;
-  const double margin = 1e-3 * bounds.inverse_near, farthest = bounds.inverse_far - margin;
+  const double farthest = bounds.inverse_far - 1e-3 * bounds.inverse_near;
   const double per_inverse = 1 / (bounds.inverse_near - farthest);
+  farthest_ = farthest;
+  per_inverse_ = per_inverse;
   vertices_.resize(mesh.x_px.size());
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     vertices_[i] = {StepAt(mesh.x_px[i], steps_per_px), StepAt(mesh.y_px[i], steps_per_px),

@@ -18,10 +18,15 @@ class RasterMesh {
 
   const std::vector<RasterVertex>& Vertices() const { return vertices_; }
   const std::vector<RasterTriangle>& Triangles() const { return triangles_; }
+  /// 1 / Z of what is so near, per m.
+  double InverseDepthAt(float nearness) const {
+    return farthest_ + static_cast<double>(nearness) / per_inverse_;
+  }
 
  private:
   std::vector<RasterVertex> vertices_;
   std::vector<RasterTriangle> triangles_;
+  double farthest_ = 0, per_inverse_ = 1;  ///< nearness = (1 / Z - farthest_) per_inverse_.
 };
 
 }  // namespace windhover

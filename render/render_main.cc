@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/process/process.h"
+#include "render/dense_labels.h"
 #include "render/render_benchmark.h"
 #include "render/render_node.h"
 #include "render/self_test.h"
@@ -40,6 +41,7 @@ int RunSnapshot(int argc, char** argv) {
   std::vector<std::string> overrides;
   double t_s = 0;
   int threads = 1;
+  bool dense = false;
   CLI::App app("renders one instant: left.png, right.png, labels.json", kName);
   app.add_option("--snapshot", scenario_file, "scenario")->required();
   app.add_option("--time", t_s, "simulated time, s")->check(CLI::Range(0.0, 1e6));
@@ -47,11 +49,15 @@ int RunSnapshot(int argc, char** argv) {
   app.add_option("--out", out, "folder to write to");
   app.add_option("--set", overrides, "overrides: a.b.c=value");
   app.add_option("--threads", threads, "threads to work with")->check(CLI::Range(1, 1024));
+  app.add_flag("--dense", dense, "also write depth, disparity and masks, pixel by pixel");
   return RunProgram(app, argc, argv, [&] {
     const Scenario scenario = LoadScenario(scenario_file, overrides);
     const world_truth_t world =
         truth_file.empty() ? StartWorld(scenario, t_s) : ReadWorld(truth_file);
     WriteSnapshot(scenario, world, threads, out);
+    if (dense) {
+      WriteDenseLabels(MakeDenseLabels(scenario, OwnedObservers(scenario, {}).front(), world), out);
+    }
   });
 }
 

@@ -74,6 +74,6 @@ class TargetCanvas {
 std::unique_ptr<TargetCanvas> MakeGlCanvas(std::unique_ptr<GlContext> context);
 
 /// Draws with our own rasteriser (render/triangle_kernel.h); the same bits with each `isa`.
-std::unique_ptr<TargetCanvas> MakeNativeCanvas(RasterIsa isa = BestRasterIsa());
+std::unique_ptr<TargetCanvas> MakeNativeCanvas(InstructionSet isa = WidestInstructionSet());
 
 }  // namespace windhover

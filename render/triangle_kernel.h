@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <span>
 
+#include "common/cpu/instruction_set.h"
+
 namespace windhover {
 
 /// Steps of a vertex's place between two samples.
@@ -52,22 +54,17 @@ inline int FirstSampleAt(std::int32_t place) { return (place + kSampleSteps / 2 
 inline int LastSampleAt(std::int32_t place) { return (place - kSampleSteps / 2) >> 8; }
 static_assert(kSampleSteps == 256);
 
-/// Instruction sets that the functions below exist for; all give the same bits.
-enum class RasterIsa { kSse2, kAvx2, kAvx512 };
-bool IsSupported(RasterIsa isa);
-RasterIsa BestRasterIsa();
-
 /// Draws triangles where they are nearer than what is there, which keeps its place in a tie.
 /// Samples are inside by exact integers; of two triangles that share an edge, each sample on it
 /// belongs to one.
 ///
 /// Source: J. Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH 1988.
-void DrawOpaque(RasterIsa isa, std::span<const RasterVertex> vertices,
+void DrawOpaque(InstructionSet isa, std::span<const RasterVertex> vertices,
                 std::span<const RasterTriangle> triangles, const SampleTile& tile);
 
 /// Blends translucent triangles, in order, over `translucent` where they are
 /// nearer than what `tile` holds. `light`: premultiplied RGB and coverage, one a vertex, 0 to 1.
-void DrawTranslucent(RasterIsa isa, std::span<const RasterVertex> vertices,
+void DrawTranslucent(InstructionSet isa, std::span<const RasterVertex> vertices,
                      std::span<const std::array<float, 4>> light,
                      std::span<const RasterTriangle> triangles, const SampleTile& tile,
                      const TranslucentTile& translucent);
