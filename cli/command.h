@@ -28,6 +28,7 @@ void AddBudgetCommand(CLI::App& app, CommandAction* chosen);
 void AddRunCommand(CLI::App& app, CommandAction* chosen);
 void AddCheckCommand(CLI::App& app, CommandAction* chosen);
 void AddKeysCommand(CLI::App& app, CommandAction* chosen);
+void AddMeshInfoCommand(CLI::App& app, CommandAction* chosen);
 void AddReplayCommand(CLI::App& app, CommandAction* chosen);
 void AddScoreCommand(CLI::App& app, CommandAction* chosen);
 void AddReportCommand(CLI::App& app, CommandAction* chosen);

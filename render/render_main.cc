@@ -9,6 +9,7 @@
 
 #include "common/process/process.h"
 #include "render/dense_labels.h"
+#include "render/mesh_info.h"
 #include "render/render_benchmark.h"
 #include "render/render_node.h"
 #include "render/self_test.h"
@@ -81,6 +82,19 @@ int RunBenchmark(int argc, char** argv) {
   });
 }
 
+// Speaks in the name of the command that a person has typed.
+int RunMeshInfo(int argc, char** argv) {
+  std::string file;
+  bool as_json = false;
+  CLI::App app("what a mesh file holds", "windhover");
+  app.add_option("--mesh-info", file, "mesh file")->required();
+  app.add_flag("--json", as_json, "print JSON");
+  return RunProgram(app, argc, argv, [&] {
+    const nlohmann::ordered_json info = MeshInfo(file);
+    fmt::print("{}", as_json ? info.dump(2) + "\n" : MeshInfoText(info));
+  });
+}
+
 int RunSelfTest() {
   try {
     fmt::print("{}\n", RunGlSelfTest());
@@ -103,6 +117,7 @@ bool HasFlag(int argc, char** argv, std::string_view flag) {
 int main(int argc, char** argv) {
   if (windhover::HasFlag(argc, argv, "--self-test")) return windhover::RunSelfTest();
   if (windhover::HasFlag(argc, argv, "--benchmark")) return windhover::RunBenchmark(argc, argv);
+  if (windhover::HasFlag(argc, argv, "--mesh-info")) return windhover::RunMeshInfo(argc, argv);
   if (windhover::HasFlag(argc, argv, "--snapshot")) return windhover::RunSnapshot(argc, argv);
   return windhover::RunProcess(windhover::kName, windhover::kPurpose, argc, argv,
                                windhover::RunNode);

@@ -2,44 +2,59 @@
 
 #include <array>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/image/image_header.h"
 #include "common/image/srgb.h"
+#include "common/process/isolated.h"
 
 namespace windhover {
 namespace {
-
-constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
-constexpr std::size_t kMaxPixels = std::size_t{128} << 20;
 
 [[noreturn]] void Fail(const InputFile& file, const std::string& what) {
   throw ConfigError(fmt::format("{}: {} (found '{}')", file.where, what, file.as_given));
 }
 
-void CheckFile(const InputFile& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file.absolute, error)) Fail(file, "no such image file");
-  const std::uintmax_t bytes = std::filesystem::file_size(file.absolute, error);
-  if (error || bytes == 0) Fail(file, "image file is empty or cannot be read");
-  if (bytes > kMaxBytes) Fail(file, "image file is larger than 1 GiB");
-}
+// Sizes and type of a matrix, then its rows.
+struct MatHeader {
+  int rows, cols, type;
+};
 
-cv::Mat Decode(const InputFile& file) {
+std::string DecodeHere(const std::string& file) {
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", /*overwrite=*/1);  // Off by default since 4.5.
   cv::Mat image;
   try {
-    image = cv::imread(file.absolute, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+    image = cv::imread(file, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
   } catch (const cv::Exception& error) {
-    Fail(file, fmt::format("image cannot be decoded: {}", error.err));
+    throw ConfigError(fmt::format("image cannot be decoded: {}", error.err));
   }
-  if (image.empty()) Fail(file, "is not an image that can be decoded (PNG, JPEG, HDR, EXR)");
-  if (image.channels() != 3) Fail(file, "image must have colour channels");
-  if (image.total() > kMaxPixels) Fail(file, "image is larger than 128 Mpx");
-  return image;
+  if (image.empty()) throw ConfigError("is not an image that can be decoded (PNG, JPEG, HDR, EXR)");
+  if (image.channels() != 3) throw ConfigError("image must have colour channels");
+  const MatHeader header{image.rows, image.cols, image.type()};
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  for (int y = 0; y < image.rows; ++y) {
+    bytes.append(image.ptr<char>(y), static_cast<std::size_t>(image.cols) * image.elemSize());
+  }
+  return bytes;
+}
+
+// In a process of its own: decoders crash on some broken files. `bytes` holds the pixels.
+cv::Mat Decode(const InputFile& file, std::string* bytes) {
+  MatHeader header{};
+  try {
+    CheckImageFile(file.absolute);
+    *bytes = RunIsolated(std::filesystem::file_size(file.absolute),
+                         [&] { return DecodeHere(file.absolute); });
+  } catch (const ConfigError& error) {
+    Fail(file, error.what());
+  }
+  std::memcpy(&header, bytes->data(), sizeof header);
+  return cv::Mat(header.rows, header.cols, header.type, bytes->data() + sizeof header);
 }
 
 float Sane(float value) { return value > 0 && value < 1e9f ? value : 0; }
@@ -67,8 +82,8 @@ void Convert(const cv::Mat& bgr, const ToLinear& to_linear, LinearImage* out) {
 }  // namespace
 
 LinearImage ReadLinearImage(const InputFile& file) {
-  CheckFile(file);
-  const cv::Mat image = Decode(file);
+  std::string bytes;
+  const cv::Mat image = Decode(file, &bytes);
   LinearImage out{.width_px = image.cols, .height_px = image.rows, .pixels = {}, .is_hdr = false};
   out.pixels.reserve(image.total());
   switch (image.depth()) {

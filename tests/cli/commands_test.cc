@@ -16,8 +16,8 @@ const std::string kWindhover = std::string(WINDHOVER_BIN_DIR) + "/windhover";
 const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/";
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command : {"run", "bench", "budget", "check", "keys", "replay", "reproduce",
-                              "score", "report", "snapshot", "doctor", "spy"}) {
+  for (const char* command : {"run", "bench", "mesh-info", "budget", "check", "keys", "replay",
+                              "reproduce", "score", "report", "snapshot", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
