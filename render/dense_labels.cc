@@ -6,8 +6,8 @@
 
 #include <Eigen/LU>
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
+#include "common/image/image_file.h"
 #include "render/motion.h"
 #include "render/raster_mesh.h"
 #include "render/scene_geometry.h"
@@ -92,16 +92,6 @@ float DisparityAt(int x, int y, double depth_m, const AnyCamera& left, const Row
   return q_px ? static_cast<float>(x - q_px->x()) : 0;
 }
 
-void Write(const std::filesystem::path& file, const cv::Mat& image) {
-  bool written = false;
-  try {
-    written = cv::imwrite(file.string(), image);
-  } catch (const cv::Exception& error) {
-    throw std::runtime_error(fmt::format("{}: {}", file.string(), error.what()));
-  }
-  if (!written) throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
-}
-
 }  // namespace
 
 DenseLabels MakeDenseLabels(const Scenario& scenario, int observer, const world_truth_t& world) {
@@ -152,11 +142,11 @@ void WriteDenseLabels(const DenseLabels& labels, const std::filesystem::path& fo
                    const_cast<std::uint8_t*>(values.data()));
   };
   std::filesystem::create_directories(folder);
-  Write(folder / "depth_left.tiff", floats(labels.left.depth_m));
-  Write(folder / "depth_right.tiff", floats(labels.right.depth_m));
-  Write(folder / "disparity.tiff", floats(labels.disparity_px));
-  Write(folder / "mask_left.png", bytes(labels.left.mask));
-  Write(folder / "mask_right.png", bytes(labels.right.mask));
+  WriteImageFile(floats(labels.left.depth_m), folder / "depth_left.tiff");
+  WriteImageFile(floats(labels.right.depth_m), folder / "depth_right.tiff");
+  WriteImageFile(floats(labels.disparity_px), folder / "disparity.tiff");
+  WriteImageFile(bytes(labels.left.mask), folder / "mask_left.png");
+  WriteImageFile(bytes(labels.right.mask), folder / "mask_right.png");
 }
 
 }  // namespace windhover

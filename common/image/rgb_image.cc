@@ -4,8 +4,9 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "common/image/image_file.h"
 
 namespace windhover {
 
@@ -45,13 +46,7 @@ void WriteImage(const RgbImage& image, const std::filesystem::path& file) {
                     const_cast<std::uint8_t*>(image.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  bool written = false;
-  try {
-    written = cv::imwrite(file.string(), bgr);
-  } catch (const cv::Exception& error) {
-    throw std::runtime_error(fmt::format("{}: {}", file.string(), error.what()));
-  }
-  if (!written) throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
+  WriteImageFile(bgr, file);
 }
 
 }  // namespace windhover
