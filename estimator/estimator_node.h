@@ -33,28 +33,35 @@ class EstimatorNode {
   EstimatorNode(const EstimatorNode&) = delete;
 
  private:
+  /// What one aircraft learns in a run.
+  struct Memory {
+    Tracker tracker;
+    std::vector<std::unique_ptr<RangeEstimator>> estimators;  ///< As config_.estimator.methods.
+  };
+
   /// What the node keeps of one aircraft; its messages are filled in by the client.
   struct Observer {
     int id = 0;
     nav_state_t nav{};
     stereo_frame_t frame{};
     detection_t detections{};
-    Tracker tracker;
+    Memory memory;
   };
 
+  Memory NewMemory() const;
   void Process(const tick_t& tick);
   cv::Mat Rgb(const image_t& image);
   void Detect(Observer* observer);
   range_t Estimate(const tick_t& tick, Observer* observer);
+  StereoObservation ObservedBy(const nav_state_t& nav) const;
   std::vector<Tracker::Sighting> Sightings(const Observer& observer) const;
 
   AircraftConfig config_;
   StereoRig rig_;
   TickClient& client_;
   SharedFrameReader frames_;
-  std::unique_ptr<Detector> detector_;                       ///< Null unless observe is image.
-  std::vector<std::unique_ptr<RangeEstimator>> estimators_;  ///< As config_.estimator.methods.
-  std::vector<std::unique_ptr<Observer>> observers_;         ///< By id.
+  std::unique_ptr<Detector> detector_;                ///< Null unless observe is image.
+  std::vector<std::unique_ptr<Observer>> observers_;  ///< By id.
 };
 
 }  // namespace windhover

@@ -14,7 +14,7 @@ class OffsetTriangulation final : public RangeEstimator {
   explicit OffsetTriangulation(const AircraftConfig& config);
 
  private:
-  std::optional<RangeSolution> Solve(const stereo_box_t& box) const override;
+  std::optional<RangeSolution> Solve(const StereoObservation& observation) override;
 
   StereoRig rig_;
   double offset_px_;

@@ -24,9 +24,9 @@ bool IsDistance(const RangeSolution& solution) {
 
 }  // namespace
 
-std::optional<RangeSolution> RangeEstimator::Estimate(const stereo_box_t& box) const {
-  if (!IsBox(box.left) || !IsBox(box.right)) return std::nullopt;
-  auto solution = Solve(box);
+std::optional<RangeSolution> RangeEstimator::Estimate(const StereoObservation& observation) {
+  if (!IsBox(observation.box.left) || !IsBox(observation.box.right)) return std::nullopt;
+  auto solution = Solve(observation);
   if (!solution || !IsDistance(*solution)) return std::nullopt;
   return solution;
 }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "common/time/sim_time.h"
 #include "lcmtypes/stereo_box_t.hpp"
 #include "scenarios/aircraft_config.h"
 
@@ -20,18 +21,28 @@ struct RangeSolution {
   int n_stages = 0;        ///< Corrections applied.
 };
 
-/// One way to get a distance from a stereo detection. Sees no bus and no truth; keeps no state.
+/// A stereo detection, with what the aircraft knows of the moment.
+struct StereoObservation {
+  stereo_box_t box{};
+  Utime utime = 0;
+  int track_id = 0;  ///< The same for sightings of the same target (estimator/tracker.h).
+  Eigen::Matrix3d R_WR = Eigen::Matrix3d::Identity();  ///< By its own navigation.
+  Eigen::Vector3d v_WR_mps = Eigen::Vector3d::Zero();  ///< Of the rig, in W.
+};
+
+/// One way to get distances from the stereo detections of one rig. Sees no bus and no truth. It
+/// may keep what it learned of rig and targets: it must see observations in order of time.
 class RangeEstimator {
  public:
   virtual ~RangeEstimator() = default;
 
-  /// The distance of the aircraft in `box`, or nothing if the boxes allow none (no parallax, no
-  /// size, not a number).
-  std::optional<RangeSolution> Estimate(const stereo_box_t& box) const;
+  /// The distance of the aircraft in `observation`, or nothing if the boxes allow none (no
+  /// parallax, no size, not a number).
+  std::optional<RangeSolution> Estimate(const StereoObservation& observation);
 
  private:
   /// May return what is not a distance; Estimate() withholds it.
-  virtual std::optional<RangeSolution> Solve(const stereo_box_t& box) const = 0;
+  virtual std::optional<RangeSolution> Solve(const StereoObservation& observation) = 0;
 };
 
 /// The estimator that scenarios call `method` (interfaces: `estimator.methods`).

@@ -7,7 +7,8 @@ SizePrior::SizePrior(const AircraftConfig& config)
       target_width_m_(config.estimator.target_width_m),
       size_sigma_(config.estimator.size_sigma) {}
 
-std::optional<RangeSolution> SizePrior::Solve(const stereo_box_t& box) const {
+std::optional<RangeSolution> SizePrior::Solve(const StereoObservation& observation) {
+  const stereo_box_t& box = observation.box;
   const auto left = rig_.left.Unproject({box.left.x_px, box.left.y_px});
   const auto right = rig_.right.Unproject({box.right.x_px, box.right.y_px});
   if (!left || !right) return std::nullopt;

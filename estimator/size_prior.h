@@ -13,7 +13,7 @@ class SizePrior final : public RangeEstimator {
   explicit SizePrior(const AircraftConfig& config);
 
  private:
-  std::optional<RangeSolution> Solve(const stereo_box_t& box) const override;
+  std::optional<RangeSolution> Solve(const StereoObservation& observation) override;
 
   StereoRig rig_;
   double target_width_m_;

@@ -12,7 +12,7 @@ class Triangulation final : public RangeEstimator {
   explicit Triangulation(const AircraftConfig& config);
 
  private:
-  std::optional<RangeSolution> Solve(const stereo_box_t& box) const override;
+  std::optional<RangeSolution> Solve(const StereoObservation& observation) override;
 
   StereoRig rig_;
   double disparity_sigma_px_;

@@ -8,6 +8,7 @@
 #include "camera/lens_config.h"
 #include "camera/stereo_rig.h"
 #include "common/config/fields.h"
+#include "scenarios/selfcal_config.h"
 #include "scenarios/swarm_config.h"
 
 namespace windhover {
@@ -73,6 +74,11 @@ struct CalibratedRig {
   Eigen::Isometry3d X_BR() const;
 };
 
+/// Every distance estimator, in the order of docs/estimation.md.
+inline const std::vector<std::string> kRangeMethods = {
+    "baseline", "offset1",      "size",      "fusion",  "pcm",
+    "pcm_dic",  "pcm_dic_star", "joint_mlp", "selfcal", "fused"};
+
 struct EstimatorConfig {
   std::string detector = "classical";
   std::vector<std::string> methods = {"baseline"};
@@ -81,6 +87,8 @@ struct EstimatorConfig {
   double target_width_m = 0.887;
   double disparity_sigma_px = 1;
   double size_sigma = 0.1;
+  InputFile correction;
+  SelfcalConfig selfcal;
 
   template <typename Visitor>
   void Fields(Visitor& v);
@@ -125,16 +133,18 @@ AircraftConfig LoadAircraftConfig(const std::filesystem::path& file);
 template <typename Visitor>
 void EstimatorConfig::Fields(Visitor& v) {
   v.Field("detector", detector, OneOf{{"classical"}}, "finds aircraft in images (observe: image)");
-  v.Field("methods", methods, ItemsOneOf{{"baseline", "offset1", "size"}},
+  v.Field("methods", methods, ItemsOneOf{kRangeMethods},
           "distance estimators, all run on the same frames");
-  v.Field("in_loop", in_loop, OneOf{{"baseline", "offset1", "size"}},
-          "the method the swarm flies on");
+  v.Field("in_loop", in_loop, OneOf{kRangeMethods}, "the method the swarm flies on");
   v.Field("offset1_px", offset1_px, InRange{-1000, 1000},
           "disparity that offset1 takes away: measured minus true, from a calibration flight");
   v.Field("target_width_m", target_width_m, InRange{0.01, 100}, "width that size assumes");
   v.Field("disparity_sigma_px", disparity_sigma_px, InRange{0, 100},
           "standard deviation of a detected disparity");
   v.Field("size_sigma", size_sigma, InRange{0, 1}, "relative standard deviation of a box width");
+  v.Field("correction", correction, MayBeEmpty{},
+          "file of trained corrections, as `windhover train pcm` writes it");
+  v.Section("selfcal", selfcal, "recursive self-calibration: methods selfcal and fused");
 }
 
 }  // namespace windhover

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -17,6 +19,10 @@ namespace {
 
 // Closer than this two aircraft overlap, whatever they are.
 constexpr double kMinStartDistance_m = 0.3;
+
+// Methods that know nothing without `estimator.correction`.
+const std::set<std::string> kTrainedMethods = {"pcm", "pcm_dic", "pcm_dic_star", "joint_mlp",
+                                               "fused"};
 
 // A visitor of Fields that writes every value.
 class ValueLister {
@@ -210,6 +216,12 @@ class RuleChecker {
     if (std::count(methods.begin(), methods.end(), estimator.in_loop) == 0) {
       MustBe("estimator.in_loop", fmt::format("one of estimator.methods, {}", Joined(methods)),
              fmt::format("'{}'", estimator.in_loop), {"estimator.methods"});
+    }
+    for (const std::string& method : methods) {
+      if (!kTrainedMethods.contains(method) || !estimator.correction.empty()) continue;
+      MustBe("estimator.correction", fmt::format("the file of a trained correction for {}", method),
+             "none", {"estimator.methods"});
+      break;
     }
     if (scenario_.score.collision_m > scenario_.score.near_miss_m) {
       MustBe("score.collision_m",

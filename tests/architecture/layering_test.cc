@@ -29,7 +29,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"swarm", {"common", "scenarios", "lcmtypes"}},
     {"eval", {"common", "camera", "scenarios", "lcmtypes"}},
     {"budget", {"common", "camera", "rig", "scenarios"}},
-    {"cli", {"common", "scenarios", "eval", "budget", "lcmtypes"}},
+    {"learn",
+     {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "estimator", "eval"}},
+    {"cli", {"common", "scenarios", "eval", "budget", "learn", "lcmtypes"}},
 };
 
 // cli/in_process_run alone may include every node.

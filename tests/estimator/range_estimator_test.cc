@@ -47,7 +47,7 @@ TEST(RangeEstimator, TriangulationWorkedExample) {
   config.rig.baseline_m = 0.4;
   config.rig.image = {1281, 721};  // The principal point is pixel (640, 360).
   const auto box = StereoBox({640 + 64, 360}, {640 - 64, 360}, 100);
-  const auto solution = MakeRangeEstimator("baseline", config)->Estimate(box);
+  const auto solution = MakeRangeEstimator("baseline", config)->Estimate({box});
   ASSERT_TRUE(solution);
   EXPECT_NEAR(solution->range_m, 10, 1e-12);
   EXPECT_NEAR(solution->range_sigma_m, 0.078125, 1e-12);
@@ -62,8 +62,8 @@ TEST(RangeEstimator, OffsetWorkedExample) {
   config.rig.image = {1281, 721};
   config.estimator.offset1_px = 66;
   const auto box = StereoBox({640 + 64 + 33, 360}, {640 - 64 - 33, 360}, 100);
-  const auto offset1 = MakeRangeEstimator("offset1", config)->Estimate(box);
-  const auto baseline = MakeRangeEstimator("baseline", config)->Estimate(box);
+  const auto offset1 = MakeRangeEstimator("offset1", config)->Estimate({box});
+  const auto baseline = MakeRangeEstimator("baseline", config)->Estimate({box});
   EXPECT_NEAR(offset1->range_m, 10, 1e-12);
   EXPECT_EQ(offset1->n_stages, 1);
   EXPECT_NEAR(baseline->range_m, 1280 / (128.0 + 66), 1e-12);
@@ -80,7 +80,7 @@ TEST(RangeEstimator, SizeWorkedExample) {
   auto box = StereoBox({640 + 64, 360}, {640 - 64, 360}, 256);
   box.left.w_px += 6;  // It is the mean width that counts.
   box.right.w_px -= 6;
-  const auto solution = MakeRangeEstimator("size", config)->Estimate(box);
+  const auto solution = MakeRangeEstimator("size", config)->Estimate({box});
   EXPECT_NEAR(solution->range_m, 10, 1e-12);
   EXPECT_NEAR(solution->range_sigma_m, 1, 1e-12);
 }
@@ -94,7 +94,7 @@ TEST(RangeEstimator, EveryMethodIsRightOnIdealBoxes) {
       for (const double x : {-0.12, 0.0, 0.08}) {
         for (const double y : {-0.1, 0.0, 0.06}) {
           const Eigen::Vector3d p_RT_m = depth_m * Eigen::Vector3d(x, y, 1);
-          const auto solution = estimator->Estimate(IdealBox(config, p_RT_m));
+          const auto solution = estimator->Estimate({IdealBox(config, p_RT_m)});
           ASSERT_TRUE(solution) << method << " " << p_RT_m.transpose();
           // 1e-9: pixels inverted to 1e-12 px, magnified by at most depth / (f · baseline).
           EXPECT_NEAR(solution->range_m / p_RT_m.norm(), 1, 1e-9) << method;
@@ -111,7 +111,7 @@ TEST(RangeEstimator, SigmaIsTheScatterOfNoisyBoxes) {
   const Eigen::Vector3d p_RT_m(0.5, -0.3, 15);
   const auto estimator = MakeRangeEstimator("baseline", config);
   const stereo_box_t ideal = IdealBox(config, p_RT_m);
-  const double sigma_m = estimator->Estimate(ideal)->range_sigma_m;
+  const double sigma_m = estimator->Estimate({ideal})->range_sigma_m;
   RandomStream random(3, "boxes");
   constexpr int kDraws = 20'000;
   double squares = 0;
@@ -119,7 +119,7 @@ TEST(RangeEstimator, SigmaIsTheScatterOfNoisyBoxes) {
     stereo_box_t noisy = ideal;
     noisy.left.x_px += 0.5 * std::sqrt(0.5) * random.Normal();  // 0.5 px in the difference
     noisy.right.x_px += 0.5 * std::sqrt(0.5) * random.Normal();
-    squares += std::pow((estimator->Estimate(noisy)->range_m - p_RT_m.norm()) / sigma_m, 2);
+    squares += std::pow((estimator->Estimate({noisy})->range_m - p_RT_m.norm()) / sigma_m, 2);
   }
   // A variance of 20,000 draws scatters by sqrt(2 / 20000) = 1 %; 4 % is four of those.
   EXPECT_NEAR(squares / kDraws, 1, 0.04);
@@ -144,18 +144,20 @@ TEST(RangeEstimator, WithholdsWhatIsNoDistance) {
   boxes.push_back(StereoBox({700, 360}, {600, 360}, -5));
   for (const std::string& method : config.estimator.methods) {
     const auto estimator = MakeRangeEstimator(method, config);
-    EXPECT_TRUE(estimator->Estimate(StereoBox({700, 360}, {600, 360}, 50))) << method;
-    for (const stereo_box_t& box : boxes) EXPECT_FALSE(estimator->Estimate(box)) << method;
+    EXPECT_TRUE(estimator->Estimate({StereoBox({700, 360}, {600, 360}, 50)})) << method;
+    for (const stereo_box_t& box : boxes) EXPECT_FALSE(estimator->Estimate({box})) << method;
   }
 }
 
 TEST(RangeEstimator, TriangulationNeedsPositiveDisparity) {
   AircraftConfig config = Config();
   config.estimator.offset1_px = 20;
-  EXPECT_FALSE(MakeRangeEstimator("baseline", config)->Estimate(StereoBox({600, 0}, {600, 0}, 9)));
-  EXPECT_FALSE(MakeRangeEstimator("baseline", config)->Estimate(StereoBox({600, 0}, {650, 0}, 9)));
-  EXPECT_FALSE(MakeRangeEstimator("offset1", config)->Estimate(StereoBox({619, 0}, {600, 0}, 9)));
-  EXPECT_TRUE(MakeRangeEstimator("offset1", config)->Estimate(StereoBox({621, 0}, {600, 0}, 9)));
+  EXPECT_FALSE(
+      MakeRangeEstimator("baseline", config)->Estimate({StereoBox({600, 0}, {600, 0}, 9)}));
+  EXPECT_FALSE(
+      MakeRangeEstimator("baseline", config)->Estimate({StereoBox({600, 0}, {650, 0}, 9)}));
+  EXPECT_FALSE(MakeRangeEstimator("offset1", config)->Estimate({StereoBox({619, 0}, {600, 0}, 9)}));
+  EXPECT_TRUE(MakeRangeEstimator("offset1", config)->Estimate({StereoBox({621, 0}, {600, 0}, 9)}));
 }
 
 TEST(MakeRangeEstimator, RefusesAnUnknownName) {
