@@ -25,19 +25,6 @@ bool MayBelong(const image_box_t& detected, const image_box_t& truth) {
   return Overlap(detected, truth) || CentreDistance_px(detected, truth) < reach_px;
 }
 
-std::optional<double> Reference_m(const target_annotation_t& truth,
-                                  const std::optional<double>& uwb_m, ScoreReference reference) {
-  switch (reference) {
-    case ScoreReference::kRange:
-      return truth.range_m;
-    case ScoreReference::kDepth:
-      return truth.depth_m;
-    case ScoreReference::kUwb:
-      return uwb_m;
-  }
-  return std::nullopt;
-}
-
 std::optional<MethodEstimate> EstimateOf(const ObserverFrame& frame, std::size_t detection,
                                          const std::string& method) {
   if (!frame.ranges) return std::nullopt;
@@ -84,7 +71,7 @@ void CollectFrame(const RunRecord& run, const ObserverFrame& frame, TargetFrames
     if (!InViewOfBoth(frame.truth.targets[i])) continue;
     TargetFrame joined = JoinTarget(run, frame, frame.truth.targets[i], detection_of[i]);
     const auto reference_m = Reference_m(joined.truth, joined.uwb_m, run.scenario.score.reference);
-    if (reference_m && std::isfinite(*reference_m) && *reference_m > 0) {
+    if (reference_m) {
       joined.reference_m = *reference_m;
       out->frames.push_back(std::move(joined));
     } else {
@@ -123,6 +110,24 @@ std::vector<std::optional<std::size_t>> Associate(const detection_t& detections,
     taken[j] = true;
   }
   return target_of;
+}
+
+std::optional<double> Reference_m(const target_annotation_t& truth,
+                                  const std::optional<double>& uwb_m, ScoreReference reference) {
+  std::optional<double> reference_m;
+  switch (reference) {
+    case ScoreReference::kRange:
+      reference_m = truth.range_m;
+      break;
+    case ScoreReference::kDepth:
+      reference_m = truth.depth_m;
+      break;
+    case ScoreReference::kUwb:
+      reference_m = uwb_m;
+      break;
+  }
+  if (!reference_m || !std::isfinite(*reference_m) || *reference_m <= 0) return std::nullopt;
+  return reference_m;
 }
 
 TargetFrames CollectTargetFrames(const RunRecord& run) {

@@ -36,6 +36,10 @@ struct TargetFrames {
 /// Is any part of the target inside both images, and in front of both cameras?
 bool InViewOfBoth(const target_annotation_t& target);
 
+/// What distances to the target are scored against, if there is a finite and positive one.
+std::optional<double> Reference_m(const target_annotation_t& truth,
+                                  const std::optional<double>& uwb_m, ScoreReference reference);
+
 /// For each box of `detections`, the index of its target in `truth`, or nothing.
 ///
 /// A pair may be joined when the left boxes overlap or their centres are closer than the larger

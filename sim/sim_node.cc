@@ -42,7 +42,8 @@ SimNode::SimNode(const Scenario& scenario, const SimOptions& options, Bus& bus)
       sensors_(scenario),
       uwb_(scenario),
       recorder_(bus, options.log_file, IdsOf(scenario), options.pixels),
-      lockstep_(bus, options.run_id, PeersOf(scenario.execution), scenario.execution.deadline_s) {
+      lockstep_(bus, options.run_id, PeersOf(scenario.execution), scenario.execution.deadline_s),
+      imu_clock_(scenario.nav.imu_rate_hz) {
   for (int i = 0; i < world_.size(); ++i) {
     if (!world_.IsCommanded(i)) continue;
     bus.Subscribe<velocity_command_t>(
@@ -139,17 +140,12 @@ void SimNode::RunTick(int number) {
 }
 
 void SimNode::PublishImuUntil(Utime utime) {
-  const double rate_hz = scenario_.nav.imu_rate_hz;
-  if (rate_hz <= 0) return;
-  while (true) {
-    const Utime at = UtimeFromSeconds(static_cast<double>(next_imu_sample_) / rate_hz);
-    if (at > utime) return;
-    world_.AdvanceTo(at);
+  while (const auto sample = imu_clock_.Next(utime)) {
+    world_.AdvanceTo(sample->utime);
     for (int i = 0; i < world_.size(); ++i) {
       bus_.Publish(channel::Imu(scenario_.aircraft[i].self.id),
-                   sensors_.Imu(world_, i, next_imu_sample_));
+                   sensors_.Imu(world_, i, sample->number));
     }
-    ++next_imu_sample_;
   }
 }
 

@@ -13,6 +13,7 @@
 #include "lcmtypes/tick_t.hpp"
 #include "lcmtypes/velocity_command_t.hpp"
 #include "scenarios/scenario.h"
+#include "sim/imu_clock.h"
 #include "sim/lockstep.h"
 #include "sim/onboard_sensors.h"
 #include "sim/recorder.h"
@@ -79,7 +80,7 @@ class SimNode {
   std::map<int, velocity_command_t> commands_;  // Latest, by position of the aircraft.
   Lockstep lockstep_;
   StageTimer timer_;
-  std::int64_t next_imu_sample_ = 0;
+  ImuClock imu_clock_;
   int n_ticks_ = 0;
 };
 
