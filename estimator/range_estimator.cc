@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "estimator/correction_card.h"
+#include "estimator/joint_mlp.h"
 #include "estimator/offset_triangulation.h"
+#include "estimator/pcm.h"
 #include "estimator/size_prior.h"
 #include "estimator/triangulation.h"
 
@@ -22,6 +25,25 @@ bool IsDistance(const RangeSolution& solution) {
          std::isfinite(solution.range_sigma_m) && solution.range_sigma_m >= 0;
 }
 
+/// What the card of `config` teaches of `section`.
+template <typename Section>
+Section Learned(const AircraftConfig& config, std::optional<Section> CorrectionCard::*section,
+                const char* name) {
+  const InputFile& file = config.estimator.correction;
+  CorrectionCard card = ReadCorrectionCard(file);
+  if (!(card.*section)) {
+    throw ConfigError(fmt::format("{}: {}: must have the section '{}' for the methods listed",
+                                  file.where, file.as_given, name));
+  }
+  return *std::move(card.*section);
+}
+
+std::unique_ptr<RangeEstimator> MakePositionCorrection(const AircraftConfig& config,
+                                                       FurtherStages further) {
+  return std::make_unique<PositionCorrection>(config, Learned(config, &CorrectionCard::pcm, "pcm"),
+                                              further);
+}
+
 }  // namespace
 
 std::optional<RangeSolution> RangeEstimator::Estimate(const StereoObservation& observation) {
@@ -36,6 +58,13 @@ std::unique_ptr<RangeEstimator> MakeRangeEstimator(const std::string& method,
   if (method == "baseline") return std::make_unique<Triangulation>(config);
   if (method == "offset1") return std::make_unique<OffsetTriangulation>(config);
   if (method == "size") return std::make_unique<SizePrior>(config);
+  if (method == "pcm") return MakePositionCorrection(config, FurtherStages::kNone);
+  if (method == "pcm_dic") return MakePositionCorrection(config, FurtherStages::kByGate);
+  if (method == "pcm_dic_star") return MakePositionCorrection(config, FurtherStages::kForAll);
+  if (method == "joint_mlp") {
+    return std::make_unique<JointMlpEstimator>(
+        config, Learned(config, &CorrectionCard::joint_mlp, "joint_mlp"));
+  }
   throw std::invalid_argument(fmt::format("there is no estimation method '{}'", method));
 }
 
