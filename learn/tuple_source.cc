@@ -17,13 +17,14 @@ struct Flight {
 
 std::vector<StereoTuple> TuplesOf(const Scenario& scenario, int number) {
   std::vector<StereoTuple> tuples;
-  for (const FlownFrame& frame : FlyGeometric(scenario)) {
-    if (!frame.box) continue;
-    tuples.push_back({.box = *frame.box,
-                      .range_m = frame.reference_m,
-                      .range_true_m = frame.range_m,
+  GeometricFlight flight(scenario);
+  while (const auto frame = flight.Next()) {
+    if (!frame->box_is_of_target || !frame->reference_m) continue;
+    tuples.push_back({.box = *frame->box,
+                      .range_m = *frame->reference_m,
+                      .range_true_m = frame->range_m,
                       .flight = number,
-                      .utime = frame.utime});
+                      .utime = frame->utime});
   }
   return tuples;
 }

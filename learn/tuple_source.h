@@ -12,7 +12,7 @@ namespace windhover {
 /// score.reference as labels. `seed` makes another data set. The same bits on any number of
 /// `threads`.
 /// @param base as LoadUndrawnScenario reads it.
-/// @throws as FlyGeometric (learn/geometric_flight.h).
+/// @throws as GeometricFlight (learn/geometric_flight.h).
 TupleSplits DrawTuples(const Scenario& base, std::uint64_t seed, int threads);
 
 }  // namespace windhover

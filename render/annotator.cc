@@ -88,7 +88,7 @@ Seen SeenBehind(const TargetLayer& layer, const std::vector<const TargetLayer*>&
 
 }  // namespace
 
-target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B, const RowPoses& X_CB,
+target_view_t ViewFromGeometry(const Outline& outline, const RowPoses& X_CB,
                                const AnyCamera& camera, int width_px, int height_px) {
   target_view_t view{};
   const auto centre_px = ProjectByRows(camera, X_CB, Eigen::Vector3d::Zero());
@@ -96,10 +96,7 @@ target_view_t ViewFromGeometry(const std::vector<Eigen::Vector3d>& outline_B, co
   view.in_front = 1;
   view.centre_px[0] = centre_px->x();
   view.centre_px[1] = centre_px->y();
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3d& p_B : outline_B) {
-    if (const auto q_px = ProjectByRows(camera, X_CB, p_B)) box.extend(*q_px);
-  }
+  const Eigen::AlignedBox2d box = outline.BoxThrough(camera, X_CB);
   if (box.isEmpty()) return view;
   view.full = BoxFromEdges(box.min().x(), box.min().y(), box.max().x(), box.max().y());
   view.visible = CutAtBorders(view.full, width_px, height_px);

@@ -53,10 +53,12 @@ double TargetSpeedRadps(const uav_truth_t& observer, const uav_truth_t& target) 
 
 Eigen::Isometry3d PoseAt(const uav_truth_t& truth, double dt_s) {
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-  X_WB.translation() = Vector3d(truth.p_WB_m) + dt_s * Vector3d(truth.v_WB_mps);
+  X_WB.translation() = Vector3d(truth.p_WB_m);
   X_WB.linear() =
-      Eigen::Quaterniond(truth.qw, truth.qx, truth.qy, truth.qz).normalized().toRotationMatrix() *
-      RotationFromVector(dt_s * Vector3d(truth.w_WB_B_radps));
+      Eigen::Quaterniond(truth.qw, truth.qx, truth.qy, truth.qz).normalized().toRotationMatrix();
+  if (dt_s == 0) return X_WB;
+  X_WB.translation() += dt_s * Vector3d(truth.v_WB_mps);
+  X_WB.linear() = X_WB.linear() * RotationFromVector(dt_s * Vector3d(truth.w_WB_B_radps));
   return X_WB;
 }
 
@@ -163,6 +165,7 @@ StereoRowCameras CamerasByRows(const world_truth_t& world, std::size_t observer,
   const RigDrive drive = DriveOf(world, observer);
   const auto rigs_at = [&](std::vector<double> times_s) {
     for (double& time_s : times_s) time_s += SecondsFromUtime(world.utime);
+    if (times_s.size() == 1) return std::vector{rig.AtAlone(times_s[0], drive)};
     return rig.AtMany(times_s, drive);
   };
   const std::vector<double> left_s = row_times_s(shutter.left);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -19,11 +20,24 @@ std::shared_ptr<const AircraftShape> ShapeFrom(AircraftModel model) {
   std::vector<Eigen::Vector3f> points = model.body.positions;
   points.insert(points.end(), model.rotor_discs.positions.begin(),
                 model.rotor_discs.positions.end());
+  std::vector<Eigen::Vector3d> outline_B;
   for (const std::uint32_t i : ExtremeVertices(points)) {
-    shape->outline_B.push_back(points[i].cast<double>());
-    shape->radius_m = std::max(shape->radius_m, shape->outline_B.back().norm());
+    outline_B.push_back(points[i].cast<double>());
+    shape->radius_m = std::max(shape->radius_m, outline_B.back().norm());
   }
+  shape->outline = Outline(outline_B);
   shape->model = std::move(model);
+  return shape;
+}
+
+// Made once a process where it is our own drawing: thousands of flights have the same.
+std::shared_ptr<const AircraftShape> CommonShape(const Aircraft& aircraft) {
+  if (aircraft.type == AircraftType::kMesh) return ShapeFrom(MakeAircraftModel(aircraft));
+  static std::mutex mutex;
+  static std::map<AircraftType, std::shared_ptr<const AircraftShape>> drawn;
+  const std::scoped_lock lock(mutex);
+  std::shared_ptr<const AircraftShape>& shape = drawn[aircraft.type];
+  if (shape == nullptr) shape = ShapeFrom(MakeAircraftModel(aircraft));
   return shape;
 }
 
@@ -34,13 +48,9 @@ SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& o
       seed_(scenario.random_seed),
       width_px_(scenario.rig.calibrated.image[0]),
       height_px_(scenario.rig.calibrated.image[1]) {
-  std::map<AircraftType, std::shared_ptr<const AircraftShape>> of_type;
   for (const Aircraft& aircraft : scenario.aircraft) {
     ids_.push_back(aircraft.self.id);
-    std::shared_ptr<const AircraftShape> shape = of_type[aircraft.type];
-    if (shape == nullptr) shape = ShapeFrom(MakeAircraftModel(aircraft));
-    if (aircraft.type != AircraftType::kMesh) of_type[aircraft.type] = shape;
-    shapes_.push_back(std::move(shape));
+    shapes_.push_back(CommonShape(aircraft));
   }
   for (const int place : observers) {
     const auto position = static_cast<std::size_t>(place);
@@ -87,10 +97,10 @@ annotation_t SceneGeometry::Annotate(const world_truth_t& world, std::size_t obs
     Eigen::Map<Eigen::Vector3d>(target.p_RT_m) = p_RT_m;
     target.range_m = p_RT_m.norm();
     target.depth_m = p_RT_m.z();
-    const std::vector<Eigen::Vector3d>& outline_B = shapes_[i]->outline_B;
-    target.left = ViewFromGeometry(outline_B, PosesOf(cameras.left, world.uavs[i]),
+    const Outline& outline = shapes_[i]->outline;
+    target.left = ViewFromGeometry(outline, PosesOf(cameras.left, world.uavs[i]),
                                    cameras.left.camera, width_px_, height_px_);
-    target.right = ViewFromGeometry(outline_B, PosesOf(cameras.right, world.uavs[i]),
+    target.right = ViewFromGeometry(outline, PosesOf(cameras.right, world.uavs[i]),
                                     cameras.right.camera, width_px_, height_px_);
     annotation.targets.push_back(target);
   }

@@ -8,6 +8,7 @@
 #include "lcmtypes/annotation_t.hpp"
 #include "lcmtypes/world_truth_t.hpp"
 #include "render/mesh.h"
+#include "render/outline.h"
 #include "rig/rig_motion.h"
 #include "scenarios/scenario.h"
 
@@ -16,8 +17,8 @@ namespace windhover {
 /// What an aircraft looks like, and the points that can bound its silhouette.
 struct AircraftShape {
   AircraftModel model;
-  std::vector<Eigen::Vector3d> outline_B;  ///< Of body and propellers, m.
-  double radius_m;                         ///< Of a ball about B's origin that holds it all.
+  Outline outline;  ///< Of body and propellers.
+  double radius_m;  ///< Of a ball about B's origin that holds it all.
 };
 
 /// The true rig of one aircraft.

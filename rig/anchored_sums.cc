@@ -117,6 +117,55 @@ void ExpandWithSse2(const std::vector<Group>& groups, double anchor_s, std::size
   ExpandAll<2>(groups, anchor_s, n_sums, coefficients);
 }
 
+// Adds every line at `t_s` to its sums, in the same order whatever the width.
+template <std::size_t kWidth>
+inline __attribute__((always_inline)) void AddLines(const std::vector<Group>& groups, double t_s,
+                                                    double* values) {
+  using Vector = typename VectorOf<kWidth>::Type;
+  std::array<double, kMaxLines> cosines, sines;
+  for (const Group& group : groups) {
+    const std::size_t n_lines = group.frequencies_hz.size();
+    for (std::size_t i = 0; i < n_lines; i += kWidth) {
+      Vector frequency_hz, cos, sin;
+      Load(&group.frequencies_hz[i], &frequency_hz);
+      CosSin<Vector>(frequency_hz * t_s, &cos, &sin);
+      Store(cos, &cosines[i]);
+      Store(sin, &sines[i]);
+    }
+    const double *a_of = group.amplitudes.data(), *b_of = a_of + n_lines;
+    for (const std::size_t sum : group.sums) {
+      std::array<double, kLanes> lanes;
+      for (std::size_t offset = 0; offset < kLanes; offset += kWidth) {
+        Vector total{};
+        for (std::size_t i = offset; i < n_lines; i += kLanes) {
+          Vector a, b, cos, sin;
+          Load(a_of + i, &a);
+          Load(b_of + i, &b);
+          Load(&cosines[i], &cos);
+          Load(&sines[i], &sin);
+          total += a * cos + b * sin;
+        }
+        Store(total, &lanes[offset]);
+      }
+      Lanes all;
+      Load(lanes.data(), &all);
+      values[sum] += Sum(all);
+      a_of += 2 * n_lines;
+      b_of += 2 * n_lines;
+    }
+  }
+}
+
+__attribute__((target("avx512f"))) void AddLinesWithAvx512(const std::vector<Group>& groups,
+                                                           double t_s, double* values) {
+  AddLines<8>(groups, t_s, values);
+}
+
+__attribute__((target("avx2"))) void AddLinesWithAvx2(const std::vector<Group>& groups, double t_s,
+                                                      double* values) {
+  AddLines<4>(groups, t_s, values);
+}
+
 constexpr std::size_t WholeBlocks(std::size_t n) { return (n + kLanes - 1) / kLanes * kLanes; }
 
 bool SameLines(const Sinusoids& signal, std::size_t begin, const std::vector<double>& hz) {
@@ -202,6 +251,17 @@ void AnchoredSums::At(double t_s, InstructionSet instructions, Series* series,
       value = value * tau + next;
     }
     std::memcpy(&values[k], &value, std::min(kLanes, n_sums_ - k) * sizeof(double));
+  }
+}
+
+void AnchoredSums::AtAlone(double t_s, InstructionSet instructions, double* values) const {
+  std::fill_n(values, n_sums_, 0.0);
+  if (instructions == InstructionSet::kAvx512) {
+    AddLinesWithAvx512(groups_, t_s, values);
+  } else if (instructions == InstructionSet::kAvx2) {
+    AddLinesWithAvx2(groups_, t_s, values);
+  } else {
+    AddLines<2>(groups_, t_s, values);
   }
 }
 

@@ -170,6 +170,12 @@ PosedStereoRig RigMotion::At(double t_s, const RigDrive& drive) const {
   return AtMany({t_s}, drive).front();
 }
 
+PosedStereoRig RigMotion::AtAlone(double t_s, const RigDrive& drive) const {
+  std::array<double, kSums> sums;
+  impl_->stationary.AtAlone(t_s, sums.data());
+  return impl_->At(t_s, DrivenBar::Tick(impl_->driven, drive), sums.data());
+}
+
 std::vector<PosedStereoRig> RigMotion::AtMany(const std::vector<double>& times_s,
                                               const RigDrive& drive) const {
   const DrivenBar::Tick tick(impl_->driven, drive);

@@ -32,7 +32,7 @@ struct RigDeflection {
 ///
 /// Any t, in any order, from any thread, with the same result: exposure integrals, rolling
 /// shutters and threads need no shared state. One time at a time or many at once, the bits are the
-/// same.
+/// same; AtAlone() rounds otherwise.
 class RigMotion {
  public:
   /// `name` makes the random streams of this aircraft its own ("uav0"). Where `mean_over_s` is not
@@ -51,6 +51,10 @@ class RigMotion {
   /// The same at many times, which cost less each.
   std::vector<PosedStereoRig> AtMany(const std::vector<double>& times_s,
                                      const RigDrive& drive = {}) const;
+
+  /// At(), for a time without neighbours: cheaper, and different by roundings (1e-13 of the
+  /// vibration).
+  PosedStereoRig AtAlone(double t_s, const RigDrive& drive = {}) const;
 
   RigDeflection DeflectionAt(double t_s, const RigDrive& drive = {}) const;
 

@@ -54,6 +54,15 @@ SinusoidSums::SinusoidSums(const std::vector<Sinusoids>& sums)
 void SinusoidSums::At(double t_s, InstructionSet instructions, AnchoredSums::Series* series,
                       double* values) const {
   anchored_.At(t_s, instructions, series, values);
+  AtOfTables(t_s, values);
+}
+
+void SinusoidSums::AtAlone(double t_s, double* values, InstructionSet instructions) const {
+  anchored_.AtAlone(t_s, instructions, values);
+  AtOfTables(t_s, values);
+}
+
+void SinusoidSums::AtOfTables(double t_s, double* values) const {
   std::array<double, PeriodicSums::kMaxSums> of_table;
   for (const Table& table : tables_) {
     table.values.At(t_s, of_table.data());

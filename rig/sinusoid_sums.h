@@ -20,6 +20,10 @@ class SinusoidSums {
   /// order, without fused operations.
   void At(double t_s, double* values, InstructionSet instructions = WidestInstructionSet()) const;
 
+  /// The same for a time without neighbours, at a fifth of the cost and by other roundings.
+  void AtAlone(double t_s, double* values,
+               InstructionSet instructions = WidestInstructionSet()) const;
+
   /// The values at each of `times_s`, one time after the other: the bits of each alone. Cheapest
   /// where neighbours are close.
   std::vector<double> AtMany(std::span<const double> times_s,
@@ -34,6 +38,7 @@ class SinusoidSums {
 
   void At(double t_s, InstructionSet instructions, AnchoredSums::Series* series,
           double* values) const;
+  void AtOfTables(double t_s, double* values) const;
 
   std::size_t n_sums_;
   AnchoredSums anchored_;

@@ -22,6 +22,17 @@ int NumberOfTicks(const Scenario& scenario) {
   return std::max(1, static_cast<int>(std::lround(scenario.duration_s * scenario.frame_rate_hz)));
 }
 
+void SetState(const Kinematics& state, uav_truth_t* truth) {
+  CopyTo(state.p_WB_m, truth->p_WB_m);
+  CopyTo(state.v_WB_mps, truth->v_WB_mps);
+  CopyTo(state.a_WB_mps2, truth->a_WB_mps2);
+  CopyTo(state.w_WB_B_radps, truth->w_WB_B_radps);
+  truth->qw = state.q_WB.w();
+  truth->qx = state.q_WB.x();
+  truth->qy = state.q_WB.y();
+  truth->qz = state.q_WB.z();
+}
+
 World::World(const Scenario& scenario) {
   const double end_s = (NumberOfTicks(scenario) - 1) / scenario.frame_rate_hz;
   for (const Aircraft& aircraft : scenario.aircraft) {
@@ -100,14 +111,7 @@ world_truth_t World::Truth() const {
   for (const Body& body : bodies_) {
     uav_truth_t uav{};
     uav.id = body.id;
-    CopyTo(body.state.p_WB_m, uav.p_WB_m);
-    CopyTo(body.state.v_WB_mps, uav.v_WB_mps);
-    CopyTo(body.state.a_WB_mps2, uav.a_WB_mps2);
-    CopyTo(body.state.w_WB_B_radps, uav.w_WB_B_radps);
-    uav.qw = body.state.q_WB.w();
-    uav.qx = body.state.q_WB.x();
-    uav.qy = body.state.q_WB.y();
-    uav.qz = body.state.q_WB.z();
+    SetState(body.state, &uav);
     std::copy_n(body.turning.phase_rev.begin(), 4, uav.rotor_phase_rev);
     std::copy_n(body.turning.rate_hz.begin(), 4, uav.rotor_rate_hz);
     if (body.bar) {

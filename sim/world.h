@@ -61,6 +61,9 @@ class World {
   Utime utime_ = 0;
 };
 
+/// Writes place, attitude and their derivatives of an aircraft into its truth.
+void SetState(const Kinematics& state, uav_truth_t* truth);
+
 /// Ticks of a run.
 int NumberOfTicks(const Scenario& scenario);
 

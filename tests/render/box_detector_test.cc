@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/geometry/rotation.h"
+#include "render/outline.h"
 #include "render/scene_geometry.h"
 #include "tests/render/render_examples.h"
 
@@ -131,6 +133,45 @@ TEST(DetectTruth, TriangulatesExactlyWithTheCalibratedRig) {
     }
     EXPECT_LT(nearest, 1e-6);  // Unproject is exact to 1e-9 px: 1e-9 Z² / (f b) = 1e-9 m and more.
   }
+}
+
+// Eight points at a time, the bits of one after the other: through lenses with and without
+// tangential terms, also where points lie behind the camera or where the lens folds.
+TEST(Outline, IsTheBoxAroundEveryPoint) {
+  std::vector<Eigen::Vector3d> points_B_m;
+  for (int i = 0; i < 83; ++i) {
+    points_B_m.emplace_back(0.4 * std::sin(1.1 * i), 0.5 * std::cos(2.3 * i), 0.1 * std::sin(i));
+  }
+  const Outline outline(points_B_m);
+  for (const double k1 : {0.0, -0.1, 0.3}) {
+    for (const double p1 : {0.0, 1e-3, 0.1}) {
+      const PinholeRadtan camera{.fx_px = 3215,
+                                 .fy_px = 3210,
+                                 .cx_px = 639.5,
+                                 .cy_px = 350,
+                                 .k1 = k1,
+                                 .p1 = p1,
+                                 .p2 = -p1};
+      for (const double depth_m : {20.0, 1.0, 0.45}) {
+        Eigen::Isometry3d X_CB = Eigen::Isometry3d::Identity();
+        X_CB.linear() = RotationFromVector({0.3, depth_m, -0.7});
+        X_CB.translation() << 0.1 * depth_m, -0.02 * depth_m, depth_m;
+        Eigen::AlignedBox2d expected;
+        for (const Eigen::Vector3d& p_B_m : points_B_m) {
+          if (const auto q_px = camera.Project(X_CB * p_B_m)) expected.extend(*q_px);
+        }
+        for (const auto isa :
+             {InstructionSet::kSse2, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+          if (isa > WidestInstructionSet()) continue;
+          const Eigen::AlignedBox2d box = outline.BoxThrough(camera, X_CB, isa);
+          EXPECT_EQ(box.min(), expected.min()) << k1 << ' ' << p1 << ' ' << depth_m;
+          EXPECT_EQ(box.max(), expected.max()) << k1 << ' ' << p1 << ' ' << depth_m;
+        }
+      }
+    }
+  }
+  EXPECT_TRUE(
+      Outline().BoxThrough(PinholeRadtan{100, 100, 0, 0}, Eigen::Isometry3d::Identity()).isEmpty());
 }
 
 }  // namespace

@@ -119,14 +119,17 @@ TEST(SinusoidSums, AreTheSumsOfTheirSinusoids) {
     const std::vector<Sinusoids> signals = AllKindsOfSums(max_hz);
     const SinusoidSums sums(signals);
     std::vector<double> values(signals.size());
+    std::vector<double> alone(signals.size());
     for (const double t_s : AllKindsOfTimes(max_hz)) {
       sums.At(t_s, values.data());
+      sums.AtAlone(t_s, alone.data());
       for (std::size_t k = 0; k < signals.size(); ++k) {
         double bound = 1e-15;
         for (const Sinusoid& line : signals[k]) {
           bound += line.amplitude * (1e-13 + 2e-15 * kTwoPi * line.frequency_hz * std::abs(t_s));
         }
         EXPECT_NEAR(values[k], Value(signals[k], t_s), bound) << k << " at " << t_s;
+        EXPECT_NEAR(alone[k], Value(signals[k], t_s), bound) << k << " at " << t_s;
       }
     }
   }
@@ -147,6 +150,13 @@ TEST(SinusoidSums, AreTheSameBitsInAnyCompanyOnEveryProcessor) {
     sums.At(times_s[i], one.data());
     const auto row = many.begin() + static_cast<std::ptrdiff_t>(i * signals.size());
     EXPECT_TRUE(std::equal(one.begin(), one.end(), row)) << times_s[i];
+    std::vector<double> alone(signals.size()), other(signals.size());
+    sums.AtAlone(times_s[i], alone.data());
+    sums.AtAlone(times_s[i], other.data(), InstructionSet::kSse2);
+    EXPECT_EQ(alone, other) << times_s[i];
+    if (WidestInstructionSet() == InstructionSet::kSse2) continue;
+    sums.AtAlone(times_s[i], other.data(), InstructionSet::kAvx2);
+    EXPECT_EQ(alone, other) << times_s[i];
   }
 }
 

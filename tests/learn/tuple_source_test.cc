@@ -1,0 +1,123 @@
+// Tuples are drawn without bus, log and estimator: they must be what a run puts on the bus.
+
+#include "learn/tuple_source.h"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/tick_client.h"
+#include "estimator/estimator_node.h"
+#include "eval/run_log_record.h"
+#include "eval/samples.h"
+#include "render/render_node.h"
+#include "scenarios/dataset.h"
+#include "sim/sim_node.h"
+#include "swarm/swarm_node.h"
+#include "tests/support/temporary_folder.h"
+
+namespace windhover {
+namespace {
+
+Scenario Base(const std::string& preset, std::vector<std::string> overrides) {
+  overrides.insert(overrides.end(),
+                   {"observe=geometric", "aircraft=[{id: 0}]", "description=a small data set",
+                    "dataset.splits.train.flights=2", "dataset.splits.train.pairs=81",
+                    "dataset.splits.val.flights=1", "dataset.splits.val.pairs=20",
+                    "dataset.splits.test.flights=1", "dataset.splits.test.pairs=30"});
+  return LoadUndrawnScenario(
+      std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/presets/" + preset + ".yaml", overrides);
+}
+
+// A run in one process, as its log tells it.
+RunRecord Flown(const Scenario& scenario) {
+  const TemporaryFolder folder;
+  SimOptions options;
+  options.run_id = 1;
+  options.log_file = folder.path() / "run.lcm";
+  Bus bus("memq://");
+  SimNode sim(scenario, options, bus);
+  const AircraftConfig config = scenario.ForAircraft();
+  TickClient render_client(bus, "render-0", 1), estimator_client(bus, "estimator-0", 1),
+      swarm_client(bus, "swarm-0", 1);
+  const RenderNode render(scenario, {}, 1, render_client);
+  const EstimatorNode estimator(config, {}, estimator_client);
+  const SwarmNode swarm(config, {}, swarm_client);
+  EXPECT_TRUE(sim.Run().valid);
+  return ReadRunRecord(options.log_file);
+}
+
+std::vector<StereoTuple> FlownThroughTheLoop(const Scenario& flight, int number) {
+  std::vector<StereoTuple> tuples;
+  for (const TargetFrame& frame : CollectTargetFrames(Flown(flight)).frames) {
+    if (!frame.box) continue;
+    tuples.push_back({.box = *frame.box,
+                      .range_m = frame.reference_m,
+                      .range_true_m = frame.truth.range_m,
+                      .flight = number,
+                      .utime = frame.utime});
+  }
+  return tuples;
+}
+
+std::vector<double> Numbers(const StereoTuple& tuple) {
+  const image_box_t &l = tuple.box.left, &r = tuple.box.right;
+  return {l.x_px,
+          l.y_px,
+          l.w_px,
+          l.h_px,
+          r.x_px,
+          r.y_px,
+          r.w_px,
+          r.h_px,
+          tuple.box.score,
+          tuple.range_m,
+          tuple.range_true_m,
+          static_cast<double>(tuple.flight),
+          static_cast<double>(tuple.utime)};
+}
+
+void ExpectSameBits(const std::vector<StereoTuple>& drawn, const std::vector<StereoTuple>& flown) {
+  ASSERT_EQ(drawn.size(), flown.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    EXPECT_EQ(Numbers(drawn[i]), Numbers(flown[i])) << "tuple " << i;
+  }
+}
+
+void ExpectAsFlown(const Scenario& base) {
+  const TupleSplits drawn = DrawTuples(base, 5, 1);
+  std::vector<StereoTuple> train;
+  for (int flight = 0; flight < 2; ++flight) {
+    const auto one = FlownThroughTheLoop(DatasetFlight(base, Split::kTrain, flight, 5), flight);
+    train.insert(train.end(), one.begin(), one.end());
+  }
+  EXPECT_GT(train.size(), 60U);
+  ExpectSameBits(drawn.train, train);
+  ExpectSameBits(drawn.test, FlownThroughTheLoop(DatasetFlight(base, Split::kTest, 0, 5), 0));
+}
+
+TEST(TupleSource, DrawsWhatARunOfThePapersPresetDetects) { ExpectAsFlown(Base("uavde_12mm", {})); }
+
+TEST(TupleSource, DrawsWhatARunDetectsOfARigThatRotorsShake) {
+  ExpectAsFlown(Base("resonant", {"geometric.miss_rate=0.2", "exposure.shutter=rolling"}));
+}
+
+TEST(TupleSource, DrawsWhatARunDetectsInWindWithSkewedTriggers) {
+  ExpectAsFlown(Base("pretrain", {"exposure.skew_ms=5", "uwb.label=nearest"}));
+}
+
+TEST(TupleSource, SplitsAreOfTheSizesThatTheDataSetAsksFor) {
+  const TupleSplits drawn = DrawTuples(Base("uavde_12mm", {"geometric.miss_rate=0"}), 1, 1);
+  EXPECT_EQ(drawn.train.size(), 81U);
+  EXPECT_EQ(drawn.val.size(), 20U);
+  EXPECT_EQ(drawn.test.size(), 30U);
+}
+
+TEST(TupleSource, AnyNumberOfThreadsDrawsTheSameAndAnotherSeedOthers) {
+  const Scenario base = Base("uavde_12mm", {});
+  const TupleSplits one = DrawTuples(base, 1, 1), three = DrawTuples(base, 1, 3);
+  ExpectSameBits(one.train, three.train);
+  ExpectSameBits(one.val, three.val);
+  EXPECT_NE(Numbers(DrawTuples(base, 2, 1).test[0]), Numbers(one.test[0]));
+}
+
+}  // namespace
+}  // namespace windhover
