@@ -5,11 +5,11 @@ namespace windhover {
 /// What labelled detections of one kind of rig and target taught (learn/fit_priors.h). All errors
 /// are measured minus true, all sigmas standard deviations.
 ///
-/// With w, h the geometric mean width and height of both boxes, d the distance that labels measure
-/// and r that from the middle of the baseline:
+/// With w, h the geometric mean width and height of both boxes in focal lengths, d the distance that labels
+/// measure, r that from the middle of the baseline and θ the angle from the optical axis:
 ///
-///     d = r + lever_m        disparity = f B / Z + offset_px
-///     log d = size_log_m + width_exponent · log w + height_exponent · log h
+///     d = r + lever_m        disparity = f B / (r cos θ) + offset_px
+///     log(d cos θ) = size_log_m + width_exponent · log w + height_exponent · log h
 struct FittedPriors {
   double offset_px = 0;
   double offset_sigma_px = 0;           ///< Of the offset, between flights.

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "estimator/correction_card.h"
+#include "estimator/fusion.h"
 #include "estimator/joint_mlp.h"
 #include "estimator/offset_triangulation.h"
 #include "estimator/pcm.h"
+#include "estimator/self_calibration.h"
 #include "estimator/size_prior.h"
 #include "estimator/triangulation.h"
 
@@ -44,6 +46,12 @@ std::unique_ptr<RangeEstimator> MakePositionCorrection(const AircraftConfig& con
                                               further);
 }
 
+/// Works without labels too.
+std::unique_ptr<RangeEstimator> MakeFusion(const AircraftConfig& config) {
+  if (config.estimator.correction.empty()) return std::make_unique<Fusion>(config);
+  return std::make_unique<Fusion>(config, Learned(config, &CorrectionCard::priors, "priors"));
+}
+
 }  // namespace
 
 std::optional<RangeSolution> RangeEstimator::Estimate(const StereoObservation& observation) {
@@ -64,6 +72,14 @@ std::unique_ptr<RangeEstimator> MakeRangeEstimator(const std::string& method,
   if (method == "joint_mlp") {
     return std::make_unique<JointMlpEstimator>(
         config, Learned(config, &CorrectionCard::joint_mlp, "joint_mlp"));
+  }
+  if (method == "fusion") return MakeFusion(config);
+  if (method == "selfcal") {
+    return std::make_unique<SelfCalibration>(config, UnfittedSetup(config));
+  }
+  if (method == "fused") {
+    return std::make_unique<SelfCalibration>(
+        config, FittedSetup(config, Learned(config, &CorrectionCard::priors, "priors")));
   }
   throw std::invalid_argument(fmt::format("there is no estimation method '{}'", method));
 }
