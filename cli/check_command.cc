@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "cli/command.h"
+#include "learn/estimator_check.h"
 #include "scenarios/scenario.h"
 
 namespace windhover {
@@ -15,6 +16,7 @@ struct CheckOptions {
 
 int Check(const CheckOptions& options) {
   const Scenario scenario = LoadScenario(options.file, options.overrides);
+  CheckEstimators(scenario.ForAircraft());
   if (options.resolved) {
     fmt::print("{}", ResolvedYaml(scenario, PathStyle::kAbsolute));
   } else {

@@ -35,6 +35,7 @@ void AddReportCommand(CLI::App& app, CommandAction* chosen);
 void AddReproduceCommand(CLI::App& app, CommandAction* chosen);
 void AddSnapshotCommand(CLI::App& app, CommandAction* chosen);
 void AddDoctorCommand(CLI::App& app, CommandAction* chosen);
+void AddTrainCommand(CLI::App& app, CommandAction* chosen);
 void AddSpyCommand(CLI::App& app, CommandAction* chosen);
 
 }  // namespace windhover

@@ -12,6 +12,7 @@
 #include "cli/run_directory.h"
 #include "cli/verdict.h"
 #include "eval/evaluation.h"
+#include "learn/estimator_check.h"
 
 namespace windhover {
 namespace {
@@ -86,6 +87,7 @@ int Finish(const RunSummary& summary, const fs::path& run_dir, const RunOptions&
 int Run(RunOptions options) {
   TakeOptions(options);
   const Scenario scenario = LoadScenario(options.scenario_file, Overrides(options));
+  CheckEstimators(scenario.ForAircraft());
   const fs::path run_dir = MakeRunDirectory(options.scenario_file, options.out);
   ReplaceFile(run_dir / "resolved.yaml", ResolvedYaml(scenario, PathStyle::kAbsolute));
   WriteJunitOfDeadRun("did not finish", run_dir);

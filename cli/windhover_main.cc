@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   CommandAction chosen;
   for (const auto add :
        {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand, AddScoreCommand,
-        AddBudgetCommand, AddReportCommand, AddReproduceCommand, AddBenchCommand,
+        AddBudgetCommand, AddReportCommand, AddReproduceCommand, AddTrainCommand, AddBenchCommand,
         AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
     add(app, &chosen);
   }

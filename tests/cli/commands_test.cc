@@ -16,8 +16,9 @@ const std::string kWindhover = std::string(WINDHOVER_BIN_DIR) + "/windhover";
 const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/";
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command : {"run", "bench", "mesh-info", "budget", "check", "keys", "replay",
-                              "reproduce", "score", "report", "snapshot", "doctor", "spy"}) {
+  for (const char* command :
+       {"run", "bench", "mesh-info", "budget", "check", "keys", "replay", "reproduce", "score",
+        "report", "snapshot", "train", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
@@ -41,6 +42,10 @@ TEST(Windhover, WrongUsageIsExitCode2) {
            {"budget", "no/such.yaml"},
            {"budget", kScenarios + "uavde_12mm.yaml", "--distances", "-1"},
            {"reproduce", "lens", "--out", "x"},
+           {"train"},
+           {"train", "pcm", "no/such.yaml", "--out", "x.json"},
+           {"train", "pcm", kScenarios + "presets/uavde_12mm.yaml", "--out", "x.json", "--width",
+            "5"},
            {"replay", "no/such/run"}}) {
     std::vector<std::string> words = {kWindhover};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -69,6 +74,49 @@ TEST(WindhoverCheck, PassesWhatIsRight) {
                  "--resolved"});
   EXPECT_EQ(check.Wait(), 0) << check.Err();
   EXPECT_THAT(check.Out(), HasSubstr("random_seed: 4\n"));
+}
+
+TEST(WindhoverTrain, OneSeedIsOneCardThatScenariosTake) {
+  const TemporaryFolder folder;
+  const auto train = [&](const std::string& name) {
+    const std::string card = folder.path() / name;
+    Program program({kWindhover, "train", "pcm", kScenarios + "presets/uavde_12mm.yaml", "--out",
+                     card, "--epochs", "2", "--set",
+                     "dataset.splits={train: {flights: 1, pairs: 40}, val: {flights: 1, pairs: 9},"
+                     " test: {flights: 1, pairs: 9}}"});
+    EXPECT_EQ(program.Wait(), 0) << program.Err();
+    EXPECT_THAT(program.Out(), HasSubstr("pcm_dic"));
+    return TextOf(card);
+  };
+  const std::string card = train("a.json");
+  EXPECT_EQ(train("b.json"), card);
+  EXPECT_THAT(TextOf(folder.path() / "a.svg"), StartsWith("<svg"));
+
+  const auto check = [&](const std::string& text) {
+    folder.Write("card.json", text);
+    const auto file = folder.Write("s.yaml", "extends: " + kScenarios +
+                                                 "ideal_geometric.yaml\n"
+                                                 "estimator:\n"
+                                                 "  methods: [baseline, pcm, pcm_dic, joint_mlp]\n"
+                                                 "  correction: card.json\n");
+    auto program = std::make_unique<Program>(std::vector<std::string>{kWindhover, "check", file});
+    const int status = program->Wait();
+    return std::to_string(status) + " " + program->Err();
+  };
+  EXPECT_THAT(check(card), StartsWith("0 "));
+  const std::string broken = check(card.substr(0, card.size() / 2));
+  EXPECT_THAT(broken, StartsWith("2 "));
+  EXPECT_THAT(broken, HasSubstr("s.yaml:4:"));
+  EXPECT_THAT(broken, HasSubstr("card.json:"));
+}
+
+TEST(WindhoverTrain, SaysWhatIsWrongWithTuples) {
+  const TemporaryFolder folder;
+  const auto tuples = folder.Write("t.csv", "0,0,0,700,300,0,30,600,300,60,30,12,12\n");
+  Program program({kWindhover, "train", "pcm", kScenarios + "presets/uavde_12mm.yaml", "--out",
+                   folder.path() / "a.json", "--tuples", tuples});
+  EXPECT_EQ(program.Wait(), 2);
+  EXPECT_THAT(program.Err(), HasSubstr("t.csv:1: sizes of boxes must be above 0"));
 }
 
 TEST(WindhoverKeys, ListsKeysOfASection) {

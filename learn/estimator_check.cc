@@ -1,0 +1,14 @@
+#include "learn/estimator_check.h"
+
+#include "estimator/correction_card.h"
+#include "estimator/range_estimator.h"
+
+namespace windhover {
+
+void CheckEstimators(const AircraftConfig& config) {
+  if (config.estimator.correction.empty()) return;
+  ReadCorrectionCard(config.estimator.correction);
+  for (const std::string& method : config.estimator.methods) MakeRangeEstimator(method, config);
+}
+
+}  // namespace windhover

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "estimator/joint_mlp.h"
+#include "learn/train_pcm.h"
+
+namespace windhover {
+
+struct JointMlpRecipe {
+  int epochs = 300;
+  int batch = 128;
+  double rate = 3e-3;
+  double weight_decay = 1e-2;
+  std::uint64_t seed = 1;
+};
+
+/// Learns log distances with Huber's loss and AdamW; keeps what is best on `val`.
+JointMlp TrainJointMlp(std::span<const PcmSample> train, std::span<const PcmSample> val,
+                       const JointMlpRecipe& recipe);
+
+/// Scores as ScorePcm() has them.
+PcmScore ScoreJointMlp(const JointMlp& mlp, std::span<const PcmSample> samples);
+
+/// The loss of `mlp` on inputs that are not yet scaled, one column a sample, and its gradient by
+/// the weights.
+float JointMlpLoss(const JointMlp& mlp, const Eigen::MatrixXf& inputs, const Eigen::VectorXf& log_m,
+                   std::vector<float>* gradient);
+
+}  // namespace windhover
