@@ -84,7 +84,11 @@ class ProcessRun {
 
   void StartPeers() {
     const ExecutionConfig& execution = scenario_.execution;
-    Start("estimator", execution.estimator_processes);
+    if (options_.estimator.empty()) {
+      Start("estimator", execution.estimator_processes);
+    } else {
+      StartOtherEstimator();
+    }
     Start("swarm", execution.swarm_processes);
     Start("render", execution.render_processes);
     std::vector<std::string> arguments = Arguments(0, 1);
@@ -98,6 +102,12 @@ class ProcessRun {
       group_.Start({fmt::format("{}-{}", kind, i), ProgramFolder() / ("windhover-" + kind),
                     Arguments(i, count)});
     }
+  }
+
+  void StartOtherEstimator() {
+    std::string command = options_.estimator;
+    for (const std::string& word : Arguments(0, 1)) command += fmt::format(" '{}'", word);
+    group_.Start({"estimator-0", "/bin/sh", {"-c", command}});
   }
 
   std::vector<std::string> Arguments(int index, int count) const {

@@ -23,6 +23,7 @@ std::vector<std::string> Overrides(const RunOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   if (!options.observe.empty()) overrides.push_back("observe=" + options.observe);
   if (options.seed) overrides.push_back(fmt::format("random_seed={}", *options.seed));
+  if (!options.estimator.empty()) overrides.emplace_back("execution.estimator_processes=1");
   return overrides;
 }
 
@@ -36,6 +37,9 @@ void TakeOptions(const RunOptions& options) {
         fmt::format("--bus must be tcpq, udpm or the URL of an LCM provider "
                     "(found '{}')",
                     options.bus));
+  }
+  if (options.in_process && !options.estimator.empty()) {
+    throw ConfigError("--in-process must come without --estimator: that is a process of its own");
   }
   if (options.in_process && !options.bus.empty()) {
     throw ConfigError("--in-process must come without --bus: it needs none");
@@ -52,7 +56,7 @@ void TakeOptions(const RunOptions& options) {
 bool UsesOneProcess(const Scenario& scenario, const RunOptions& options) {
   const bool has_images =
       scenario.observe == Observe::kImage || scenario.observe == Observe::kAnnotated;
-  return options.in_process || (!has_images && options.bus.empty());
+  return options.in_process || (!has_images && options.bus.empty() && options.estimator.empty());
 }
 
 void WriteJson(const fs::path& file, const nlohmann::ordered_json& json) {
@@ -106,6 +110,8 @@ void AddOptions(CLI::App* command, RunOptions* o) {
   command->add_option("--set", o->overrides, "a.b.c=value: set a key of the scenario; repeatable")
       ->allow_extra_args(false);
   command->add_option("--bus", o->bus, "tcpq (default), udpm, or the URL of an LCM provider");
+  command->add_option("--estimator", o->estimator,
+                      "command of another estimator, which is given the arguments of ours");
   command->add_option("--observe", o->observe, "what the estimator gets of each frame")
       ->check(CLI::IsMember({"truth", "geometric", "annotated", "image"}));
   command->add_option("--record", o->record, "which pixels the log keeps")

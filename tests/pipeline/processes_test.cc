@@ -152,6 +152,20 @@ TEST_F(ProcessesTest, TheLogIsTheSameOverUdpMulticast) {
   EXPECT_EQ(Sha256OfFile(Dir("udpm") / "run.lcm"), HashOf("tcpq", {"--bus", "tcpq"}));
 }
 
+TEST_F(ProcessesTest, AnEstimatorInPlainLcmTakesThePlaceOfOurs) {
+  // The scenario's rig: f = 2 mm; the example believes 12 mm, so it says six times the distance.
+  const std::string program = std::string(WINDHOVER_BIN_DIR) + "/external_estimator";
+  Program run(RunWords("a", {"--observe", "geometric", "--estimator", program + " 0"}));
+  EXPECT_EQ(run.Wait(), 0) << run.Err();
+  EXPECT_THAT(TextOf(Dir("a") / "manifest.json"), HasSubstr("\"valid\": true"));
+  const std::string theirs = TextOf(Dir("a") / "score.json");
+  EXPECT_THAT(theirs, HasSubstr("\"detected\": 20"));
+  EXPECT_THAT(theirs, HasSubstr("\"delta_1_25\": 0.0"));
+  Program own(RunWords("b", {"--observe", "geometric"}));
+  EXPECT_EQ(own.Wait(), 0) << own.Err();
+  EXPECT_THAT(TextOf(Dir("b") / "score.json"), Not(HasSubstr("\"delta_1_25\": 0.0")));
+}
+
 struct Fault {
   std::string process;  // "render-0"
   std::string program;  // Its name in /proc, at most 15 characters.
