@@ -28,7 +28,6 @@ stereo_box_t StereoBox(double left_x_px, double right_x_px) {
 AircraftConfig Config(Observe observe) {
   AircraftConfig config;
   config.observe = observe;
-  config.estimator.methods = {"size", "baseline"};
   for (const int id : {0, 1, 4}) {
     AircraftSelf aircraft;
     aircraft.id = id;
@@ -41,8 +40,11 @@ AircraftConfig Config(Observe observe) {
 /// A node of aircraft 0 and 4 on an in-process bus, and a sim that feeds it.
 class EstimatorNodeTest : public ::testing::Test {
  protected:
-  void Start(Observe observe, ProcessShare share = {}) {
-    node_ = std::make_unique<EstimatorNode>(Config(observe), share, client_);
+  void Start(Observe observe, ProcessShare share = {},
+             const std::vector<std::string>& methods = {"size", "baseline"}) {
+    AircraftConfig config = Config(observe);
+    config.estimator.methods = methods;
+    node_ = std::make_unique<EstimatorNode>(config, share, client_);
     for (const int id : {0, 1, 4}) {
       bus_.Subscribe<range_t>(channel::Range(id),
                               [this](const range_t& range) { ranges_.push_back(range); });
@@ -175,6 +177,27 @@ TEST_F(EstimatorNodeTest, TheRehearsalLeavesNoTrace) {
   Pump();
   EXPECT_EQ(ranges_.at(2).estimates[0].track_id, 0);
   EXPECT_EQ(ranges_[2].estimates[2].track_id, 1) << "the rehearsed target must not have number 0";
+}
+
+TEST_F(EstimatorNodeTest, EachRigLearnsByItself) {
+  Start(Observe::kAnnotated, {}, {"selfcal", "fusion"});
+  PublishTick(0, tick_t::PHASE_REHEARSAL);  // Must teach nobody anything.
+  PublishBoxes(0, 0, {StereoBox(900, 600)});
+  PublishBoxes(0, 4, {StereoBox(700, 600)});
+  Pump();
+  for (int k = 1; k <= 20; ++k) {
+    PublishTick(k);
+    PublishBoxes(k, 0, {StereoBox(700, 600)});
+    PublishBoxes(k, 4, k == 1 ? std::vector{StereoBox(700, 600)} : std::vector<stereo_box_t>{});
+    Pump();
+  }
+  ASSERT_EQ(ranges_.size(), 42u);
+  const range_estimate_t& first = ranges_[2].estimates[0];
+  ASSERT_EQ(first.method, "selfcal");
+  EXPECT_EQ(first.status, range_estimate_t::STATUS_OK);
+  EXPECT_EQ(first.range_m, ranges_[3].estimates[0].range_m) << "aircraft 4 saw the same, once";
+  EXPECT_EQ(ranges_[2].estimates[1].range_m, ranges_[40].estimates[1].range_m) << "fusion";
+  EXPECT_LT(ranges_[40].estimates[0].range_sigma_m, 0.9 * first.range_sigma_m);
 }
 
 TEST_F(EstimatorNodeTest, DetectsInImages) {
