@@ -1,15 +1,15 @@
 #include "cli/reproduce.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <stdexcept>
+#include <map>
 
 #include <fmt/format.h>
 
-#include "cli/in_process_run.h"
 #include "eval/bootstrap.h"
 #include "eval/metrics.h"
-#include "eval/run_log_record.h"
-#include "eval/samples.h"
+#include "learn/method_trial.h"
 #include "scenarios/dataset.h"
 
 namespace windhover {
@@ -17,23 +17,27 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Sums over frames with an estimate; a share or mean is its sum by its count.
+constexpr Split kScored[] = {Split::kVal, Split::kTest};
+constexpr const char* kScoredNames[] = {"val", "test"};
+
+/// Sums over a flight's frames; a share or mean is its sum by its count.
 struct Tally {
   BlockSum abs_rel, sq_rel, near, far, under, detected;
+  std::map<int, std::array<BlockSum, 2>> bins;  ///< By distance: relative error, distance told.
 
-  void Add(double reference_m, const std::optional<MethodEstimate>& estimate) {
-    ++detected.count;
-    if (!estimate) return;
-    ++detected.sum;
-    const double error_m = estimate->range_m - reference_m;
+  void Add(double reference_m, double range_m) {
+    const double error_m = range_m - reference_m, relative = std::abs(error_m) / reference_m;
     const auto add = [](BlockSum* to, double term) {
       to->sum += term;
       ++to->count;
     };
-    add(&abs_rel, std::abs(error_m) / reference_m);
+    add(&abs_rel, relative);
     add(&sq_rel, error_m * error_m / reference_m);
-    add(reference_m < kNearFar_m ? &near : &far, std::abs(error_m) / reference_m);
+    add(reference_m < kNearFar_m ? &near : &far, relative);
     add(&under, error_m < 0 ? 1 : 0);
+    auto& bin = bins[static_cast<int>(reference_m / kDistanceBin_m)];
+    add(&bin[0], relative);
+    add(&bin[1], range_m);
   }
 };
 
@@ -47,20 +51,6 @@ constexpr Quantity kQuantities[] = {{"abs_rel", &Tally::abs_rel},
                                     {"gt20", &Tally::far},
                                     {"under_estimated", &Tally::under},
                                     {"detected", &Tally::detected}};
-
-Tally FlyAndScore(const Scenario& scenario, std::size_t method, const ReproduceOptions& options) {
-  RunOptions run;
-  run.quiet = true;
-  const RunSummary summary = RunInOneProcess(scenario, options.scratch, run);
-  if (summary.interrupted) throw std::runtime_error("interrupted");
-  if (!summary.valid) throw std::runtime_error(summary.culprit + ": " + summary.reason);
-  const TargetFrames targets = CollectTargetFrames(ReadRunRecord(options.scratch / "run.lcm"));
-  Tally tally;
-  for (const TargetFrame& frame : targets.frames) {
-    tally.Add(frame.reference_m, frame.estimates[method]);
-  }
-  return tally;
-}
 
 /// Mean of `quantity` over data sets of equally many flights each, with its spread and interval.
 void AddQuantity(const Quantity& quantity, const std::vector<Tally>& flights, int n_seeds,
@@ -91,6 +81,27 @@ void AddQuantity(const Quantity& quantity, const std::vector<Tally>& flights, in
   }
 }
 
+Json ByDistance(const std::vector<Tally>& flights) {
+  std::map<int, std::array<BlockSum, 2>> bins;
+  for (const Tally& flight : flights) {
+    for (const auto& [bin, sums] : flight.bins) {
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        bins[bin][i].sum += sums[i].sum;
+        bins[bin][i].count += sums[i].count;
+      }
+    }
+  }
+  Json json = Json::array();
+  for (const auto& [bin, sums] : bins) {
+    json.push_back({{"from_m", bin * kDistanceBin_m},
+                    {"to_m", (bin + 1) * kDistanceBin_m},
+                    {"n", sums[0].count},
+                    {"abs_rel", sums[0].sum / sums[0].count},
+                    {"range_m", sums[1].sum / sums[1].count}});
+  }
+  return json;
+}
+
 Json Published(const PublishedScore& paper) {
   Json json = Json::object();
   const auto add = [&](const char* key, const std::optional<double>& value) {
@@ -103,13 +114,103 @@ Json Published(const PublishedScore& paper) {
   return json;
 }
 
-std::size_t PositionOf(const std::string& method, const Scenario& scenario) {
-  const auto& methods = scenario.estimator.methods;
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    if (methods[i] == method) return i;
+/// Rows that are flown on the same data, and how they did on each flight of a split.
+struct Trial {
+  std::vector<std::size_t> rows;                           ///< Of the table.
+  std::array<std::vector<std::vector<Tally>>, 2> flights;  ///< [split][row][flight]
+};
+
+std::vector<Trial> TrialsOf(const ReproducedTable& table) {
+  std::vector<Trial> trials;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const ReproducedRow& row = table.rows[i];
+    if (!row.missing.empty()) continue;
+    auto trial = std::find_if(trials.begin(), trials.end(), [&](const Trial& other) {
+      const ReproducedRow& first = table.rows[other.rows.front()];
+      return first.preset == row.preset && first.overrides == row.overrides;
+    });
+    if (trial == trials.end()) trial = trials.insert(trial, Trial{});
+    trial->rows.push_back(i);
+    for (auto& split : trial->flights) split.emplace_back();
   }
-  throw std::invalid_argument("the preset does not run the method " + method);
+  return trials;
 }
+
+/// Each row's method, once for each training; `row_of` says whose.
+std::vector<TrialMethod> MethodsOf(const ReproducedTable& table, const Trial& trial,
+                                   std::uint64_t data_seed, const ReproduceOptions& options,
+                                   std::vector<std::size_t>* row_of) {
+  std::vector<TrialMethod> methods;
+  for (std::size_t r = 0; r < trial.rows.size(); ++r) {
+    const ReproducedRow& row = table.rows[trial.rows[r]];
+    const bool learns = !row.lesson.name.empty();
+    for (int seed = 1; seed <= (learns ? options.n_training_seeds : 1); ++seed) {
+      const auto training_seed = static_cast<std::uint64_t>(seed);
+      methods.push_back({row.estimator, ""});
+      if (learns) {
+        methods.back().card = options.cards->FileOf({row.lesson, data_seed, training_seed});
+      }
+      row_of->push_back(r);
+    }
+  }
+  return methods;
+}
+
+void TryOn(const ReproducedTable& table, std::uint64_t data_seed, const ReproduceOptions& options,
+           Trial* trial) {
+  const Scenario base = BaseOf(table.rows[trial->rows.front()], options.scenarios);
+  std::vector<std::size_t> row_of;
+  const auto methods = MethodsOf(table, *trial, data_seed, options, &row_of);
+  for (std::size_t split = 0; split < std::size(kScored); ++split) {
+    std::vector<Scenario> flights;
+    for (int i = 0; i < base.dataset.Of(kScored[split]).flights; ++i) {
+      flights.push_back(DatasetFlight(base, kScored[split], i, data_seed));
+    }
+    for (const auto& frames : TryMethods(flights, methods, options.threads)) {
+      std::vector<Tally> tallies(trial->rows.size());
+      for (const TriedFrame& frame : frames) {
+        bool is_shared = true;
+        for (std::size_t m = 0; m < methods.size(); ++m) {
+          is_shared = is_shared && frame.range_m[m].has_value();
+          ++tallies[row_of[m]].detected.count;
+          tallies[row_of[m]].detected.sum += frame.range_m[m].has_value();
+        }
+        for (std::size_t m = 0; m < methods.size() && is_shared; ++m) {
+          tallies[row_of[m]].Add(frame.reference_m, *frame.range_m[m]);
+        }
+      }
+      for (std::size_t r = 0; r < tallies.size(); ++r) {
+        trial->flights[split][r].push_back(std::move(tallies[r]));
+      }
+    }
+  }
+}
+
+std::vector<CardShelf::Request> CardsFor(const ReproducedTable& table,
+                                         const ReproduceOptions& options) {
+  std::vector<CardShelf::Request> cards;
+  for (const ReproducedRow& row : table.rows) {
+    if (row.lesson.name.empty() || !row.missing.empty()) continue;
+    for (int data = 1; data <= options.n_seeds; ++data) {
+      for (int training = 1; training <= options.n_training_seeds; ++training) {
+        cards.push_back(
+            {row.lesson, static_cast<std::uint64_t>(data), static_cast<std::uint64_t>(training)});
+      }
+    }
+  }
+  return cards;
+}
+
+Json RowJson(const ReproducedRow& row) {
+  Json json = {{"method", row.method}, {"preset", row.preset}, {"set", row.overrides}};
+  json["estimator"] = row.estimator;
+  if (!row.lesson.name.empty()) json["learned"] = row.lesson.name;
+  if (!row.missing.empty()) json["missing"] = row.missing;
+  if (!row.why.empty()) json["why"] = row.why;
+  return json;
+}
+
+}  // namespace
 
 Scenario BaseOf(const ReproducedRow& row, const std::filesystem::path& scenarios) {
   // A preset has no aircraft; a data set brings its own.
@@ -119,79 +220,46 @@ Scenario BaseOf(const ReproducedRow& row, const std::filesystem::path& scenarios
   return LoadUndrawnScenario(scenarios / "presets" / (row.preset + ".yaml"), overrides);
 }
 
-constexpr Split kScored[] = {Split::kVal, Split::kTest};
-constexpr const char* kScoredNames[] = {"val", "test"};
-
-int FlightsOf(const ReproducedTable& table, const ReproduceOptions& options) {
-  int n = 0;
-  for (const ReproducedRow& row : table.rows) {
-    const DatasetConfig dataset = BaseOf(row, options.scenarios).dataset;
-    for (const Split split : kScored) n += options.n_seeds * dataset.Of(split).flights;
-  }
-  return n;
-}
-
-}  // namespace
-
 Json Reproduce(const ReproducedTable& table, const ReproduceOptions& options) {
-  const int total = FlightsOf(table, options);
+  std::vector<Trial> trials = TrialsOf(table);
+  const auto cards = CardsFor(table, options);
+  const int total =
+      static_cast<int>(cards.size()) + options.n_seeds * static_cast<int>(trials.size());
   int done = 0;
-  Json rows = Json::array();
-  for (const ReproducedRow& row : table.rows) {
-    const Scenario base = BaseOf(row, options.scenarios);
-    const std::size_t method = PositionOf(row.estimator, base);
-    Json json = {{"method", row.method}, {"preset", row.preset}, {"set", row.overrides}};
-    for (int s = 0; s < 2; ++s) {
-      std::vector<Tally> flights;
-      for (int seed = 1; seed <= options.n_seeds; ++seed) {
-        for (int flight = 0; flight < base.dataset.Of(kScored[s]).flights; ++flight) {
-          const auto data_seed = static_cast<std::uint64_t>(seed);
-          flights.push_back(
-              FlyAndScore(DatasetFlight(base, kScored[s], flight, data_seed), method, options));
-          if (options.on_flight) options.on_flight(++done, total);
-        }
-      }
-      Json score = {{"seeds", options.n_seeds}};
-      for (const Quantity& quantity : kQuantities) {
-        AddQuantity(quantity, flights, options.n_seeds, &score);
-      }
-      json[kScoredNames[s]] = std::move(score);
-    }
-    json["paper"] = {{"val", Published(row.paper_val)}, {"test", Published(row.paper_test)}};
-    rows.push_back(std::move(json));
-  }
-  return {{"table", table.name}, {"meaning", table.meaning}, {"rows", std::move(rows)}};
-}
-
-std::string ReproducedText(const Json& table) {
-  const auto cell = [](const Json& score, const char* key) {
-    if (!score.contains(key)) return std::string();
-    const std::string mean = fmt::format("{:.3f}", score[key].get<double>());
-    if (!score.contains("sd")) return mean;
-    return fmt::format("{}±{:.3f}", mean, score["sd"][key].get<double>());
+  const auto step = [&] {
+    if (options.on_step) options.on_step(++done, total);
   };
-  std::string text =
-      fmt::format("{}: {}\n{:<36} {:<6} {:>12} {:>12} {:>12} {:>12} {:>8}\n",
-                  table["table"].get<std::string>(), table["meaning"].get<std::string>(), "", "",
-                  "Abs Rel", "Sq Rel", "< 20 m", "> 20 m", "under");
-  for (const Json& row : table["rows"]) {
-    for (const char* split : kScoredNames) {
-      const auto line = [&](const std::string& name, const char* who, const Json& score) {
-        const std::string under =
-            score.contains("under_estimated")
-                ? fmt::format("{:.1f} %", 100 * score["under_estimated"].get<double>())
-                : "";
-        // "±" is one column wide and two bytes long, which fmt knows.
-        text += fmt::format("{:<36} {:<6} {:>12} {:>12} {:>12} {:>12} {:>8}\n", name, who,
-                            cell(score, "abs_rel"), cell(score, "sq_rel"), cell(score, "lt20"),
-                            cell(score, "gt20"), under);
-      };
-      line(split == kScoredNames[0] ? row["method"].get<std::string>() : "", split, row[split]);
-      const Json& paper = row["paper"][split];
-      if (!paper.empty()) line("", "paper", paper);
+  if (!cards.empty()) options.cards->Fetch(cards, step);
+  done = static_cast<int>(cards.size());  // Of which some were there.
+  for (Trial& trial : trials) {
+    for (int seed = 1; seed <= options.n_seeds; ++seed) {
+      TryOn(table, static_cast<std::uint64_t>(seed), options, &trial);
+      step();
     }
   }
-  return text;
+  std::vector<Json> rows;
+  for (const ReproducedRow& row : table.rows) rows.push_back(RowJson(row));
+  for (const Trial& trial : trials) {
+    for (std::size_t r = 0; r < trial.rows.size(); ++r) {
+      Json& json = rows[trial.rows[r]];
+      for (std::size_t split = 0; split < std::size(kScored); ++split) {
+        Json score = {{"seeds", options.n_seeds}, {"frames", 0}};
+        for (const Tally& flight : trial.flights[split][r]) {
+          score["frames"] = score["frames"].get<int>() + flight.abs_rel.count;
+        }
+        for (const Quantity& quantity : kQuantities) {
+          AddQuantity(quantity, trial.flights[split][r], options.n_seeds, &score);
+        }
+        json[kScoredNames[split]] = std::move(score);
+      }
+      json["by_distance"] = ByDistance(trial.flights[1][r]);
+    }
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i]["paper"] = {{"val", Published(table.rows[i].paper_val)},
+                        {"test", Published(table.rows[i].paper_test)}};
+  }
+  return {{"table", table.name}, {"meaning", table.meaning}, {"rows", rows}};
 }
 
 }  // namespace windhover

@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <fstream>
 #include <iostream>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "cli/command.h"
@@ -14,46 +18,66 @@ namespace windhover {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kResources = "resources";
 
 struct Options {
   std::vector<std::string> tables;
   std::string out;
-  int n_seeds = 12;
-  bool quick = false;
+  int n_seeds = 0, n_training_seeds = 0;
+  bool quick = false, full = false;
 };
 
-std::vector<ReproducedTable> Chosen(const std::vector<std::string>& names) {
-  if (names.empty()) return ReproducedTables();
-  std::vector<ReproducedTable> chosen;
+std::vector<std::string> Chosen(const std::vector<std::string>& names,
+                                const std::vector<ReproducedTable>& tables) {
   std::vector<std::string> known;
-  for (const ReproducedTable& table : ReproducedTables()) known.push_back(table.name);
+  for (const ReproducedTable& table : tables) known.push_back(table.name);
+  known.insert(known.end() - 2, kResources);
+  if (names.empty() || names == std::vector<std::string>{"all"}) return known;
   for (const std::string& name : names) {
-    const auto it = std::find(known.begin(), known.end(), name);
-    if (it == known.end()) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
       throw ConfigError(
           fmt::format("TABLE must be one of {} (found '{}')", fmt::join(known, ", "), name));
     }
-    chosen.push_back(ReproducedTables()[static_cast<std::size_t>(it - known.begin())]);
   }
-  return chosen;
+  return names;
 }
 
-int ReproduceAll(const Options& options) {
-  const std::vector<ReproducedTable> tables = Chosen(options.tables);
-  fs::create_directories(options.out);
-  for (const ReproducedTable& table : tables) {
+Json Made(const std::string& name, const std::vector<ReproducedTable>& tables,
+          const ReproduceOptions& options) {
+  if (name == kResources) return ReproduceResources(options);
+  const auto table = std::find_if(tables.begin(), tables.end(),
+                                  [&](const ReproducedTable& one) { return one.name == name; });
+  return Reproduce(*table, options);
+}
+
+int ReproduceAll(const Options& given) {
+  const std::vector<ReproducedTable> tables =
+      ReproducedTables(given.quick ? Effort::kQuick : Effort::kFull);
+  const std::vector<std::string> names = Chosen(given.tables, tables);
+  const fs::path out(given.out), cards_dir = out / "cards";
+  fs::create_directories(cards_dir);
+  ReproduceOptions options;
+  options.n_seeds = given.n_seeds > 0 ? given.n_seeds : given.quick ? 1 : 3;
+  options.n_training_seeds = given.n_training_seeds > 0 ? given.n_training_seeds
+                             : given.quick              ? 1
+                                                        : 2;
+  options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.scenarios = WINDHOVER_SCENARIOS_DIR;
+  const ReproducedRow learned_on{.method = "", .preset = "uavde_12mm"};
+  CardShelf cards(cards_dir, BaseOf(learned_on, options.scenarios), options.threads);
+  options.cards = &cards;
+  std::vector<Json> made;
+  for (const std::string& name : names) {
     Progress progress(isatty(STDERR_FILENO) != 0);
-    ReproduceOptions how;
-    how.n_seeds = options.quick ? 2 : options.n_seeds;
-    how.scenarios = WINDHOVER_SCENARIOS_DIR;
-    how.scratch = fs::path(options.out) / ("flying_" + table.name);
-    how.on_flight = [&](int done, int total) { progress.Update(done, total); };
-    fs::create_directories(how.scratch);
-    const nlohmann::ordered_json result = Reproduce(table, how);
-    fs::remove_all(how.scratch);
-    ReplaceFile(fs::path(options.out) / (table.name + ".json"), result.dump(2) + "\n");
-    std::cout << '\n' << ReproducedText(result);
+    options.on_step = [&](int done, int total) { progress.Update(done, total); };
+    made.push_back(Made(name, tables, options));
+    ReplaceFile(out / (name + ".json"), made.back().dump(2) + "\n");
+    std::cout << '\n' << ReproducedText(made.back()) << std::flush;
   }
+  ReplaceFile(out / "report.html", ReproducedPage(made));
+  std::cout << '\n' << (out / "report.html").string() << '\n';
   return kPass;
 }
 
@@ -62,12 +86,20 @@ int ReproduceAll(const Options& options) {
 void AddReproduceCommand(CLI::App& app, CommandAction* chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reproduce", "the paper's tables, ours beside theirs");
-  command->add_option("TABLE", options->tables, "lenses, audits; default all");
-  command->add_option("--out", options->out, "folder for TABLE.json")->required();
+  command->add_option("TABLE", options->tables,
+                      "comparison, components, corrections, threshold, hard_samples, lenses, "
+                      "targets, resources, calibration, audits; default all");
+  command->add_option("--out", options->out, "folder for TABLE.json, report.html and cards/")
+      ->required();
   command->add_option("--seeds", options->n_seeds, "data sets to make of each row")
       ->check(CLI::Range(1, 1000));
-  command->add_flag("--quick", options->quick, "two data sets: for a first look");
-  command->footer("Example: windhover reproduce lenses --out reproduced --seeds 12");
+  command->add_option("--training-seeds", options->n_training_seeds, "trainings on each data set")
+      ->check(CLI::Range(1, 1000));
+  CLI::Option* quick =
+      command->add_flag("--quick", options->quick, "one data set and short trainings: for CI");
+  command->add_flag("--full", options->full, "three data sets, two trainings on each; the default")
+      ->excludes(quick);
+  command->footer("Example: windhover reproduce components lenses --quick --out reproduced");
   command->callback([=] { *chosen = [=] { return ReproduceAll(*options); }; });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,8 +9,7 @@
 #include "common/bus/tick_client.h"
 #include "common/process/process.h"
 #include "estimator/detector.h"
-#include "estimator/range_estimator.h"
-#include "estimator/tracker.h"
+#include "estimator/rig_estimators.h"
 #include "lcmtypes/detection_t.hpp"
 #include "lcmtypes/nav_state_t.hpp"
 #include "lcmtypes/range_t.hpp"
@@ -33,31 +33,21 @@ class EstimatorNode {
   EstimatorNode(const EstimatorNode&) = delete;
 
  private:
-  /// What one aircraft learns in a run.
-  struct Memory {
-    Tracker tracker;
-    std::vector<std::unique_ptr<RangeEstimator>> estimators;  ///< As config_.estimator.methods.
-  };
-
   /// What the node keeps of one aircraft; its messages are filled in by the client.
   struct Observer {
     int id = 0;
     nav_state_t nav{};
     stereo_frame_t frame{};
     detection_t detections{};
-    Memory memory;
+    std::optional<RigEstimators> estimators;
   };
 
-  Memory NewMemory() const;
   void Process(const tick_t& tick);
   cv::Mat Rgb(const image_t& image);
   void Detect(Observer* observer);
   range_t Estimate(const tick_t& tick, Observer* observer);
-  StereoObservation ObservedBy(const nav_state_t& nav) const;
-  std::vector<Tracker::Sighting> Sightings(const Observer& observer) const;
 
   AircraftConfig config_;
-  StereoRig rig_;
   TickClient& client_;
   SharedFrameReader frames_;
   std::unique_ptr<Detector> detector_;                ///< Null unless observe is image.

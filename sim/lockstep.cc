@@ -129,11 +129,12 @@ void Lockstep::Publish(tick_t tick) {
 }
 
 bool Lockstep::WaitUntil(Clock::time_point deadline, const std::function<bool()>& done) {
+  // In one process everything that will come is already there, and nobody is late.
+  while (bus_.InProcess() && !StopRequested() && bus_.Handle(0)) check_();
   while (!done()) {
-    const bool came = bus_.Handle(bus_.InProcess() ? 0 : kPoll_ms);
-    // In one process everything that will come is already there, and nobody is late.
-    const bool over = bus_.InProcess() ? !came : Clock::now() >= deadline;
-    if (over || StopRequested()) return done();
+    if (bus_.InProcess() || StopRequested()) return false;
+    bus_.Handle(kPoll_ms);
+    if (Clock::now() >= deadline) return done();
     check_();
   }
   return true;

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <deque>
 #include <exception>
 #include <optional>
 #include <stdexcept>
@@ -24,6 +25,7 @@ namespace windhover {
 namespace {
 
 constexpr int kTilePeriod_ms = 100;
+constexpr std::size_t kSpareBytes = 1 << 16;  // Pixels are not kept.
 
 // LCM takes a subscription as a regular expression, so a name may hold no character that means
 // something there.
@@ -87,6 +89,8 @@ struct Bus::Impl {
     }
   }
 
+  void PublishHere(const std::string& name, MessageBytes bytes);
+  bool HandleHere();
   bool WaitForMessage(int timeout_ms);
   bool HandleTiles();
   void RethrowError();
@@ -97,18 +101,22 @@ struct Bus::Impl {
   }
 
   std::string url;
-  bool is_tcpq = false;
+  bool is_tcpq = false, is_memq = false;
   std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm{nullptr, lcm_destroy};
   std::map<std::string, std::unique_ptr<Channel>> channels;
   std::unique_ptr<UdpTiles> tiles;  // On udpm only.
   std::vector<std::string> subscriptions;
   std::map<std::string, ChannelCount> counts;
   std::exception_ptr error;
+  // On memq only, where LCM's own queue costs a write, a poll and a read a message.
+  std::deque<std::pair<Channel*, std::vector<std::uint8_t>>> waiting;
+  std::vector<std::vector<std::uint8_t>> spare;
 };
 
 Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
   const bool is_udpm = url.starts_with("udpm://");
   impl_->is_tcpq = url.starts_with("tcpq://");
+  impl_->is_memq = url.starts_with("memq:");
   impl_->url = is_udpm ? CompleteUdpmUrl(url) : url;
   if (impl_->is_tcpq) RequireTcpqServer(url);
   if (is_udpm) RequireMulticastRoute(url);
@@ -129,7 +137,9 @@ void Bus::PublishBytes(const std::string& channel, MessageBytes bytes) {
   RequirePlainName(channel);
   if (impl_->is_tcpq && impl_->Socket() < 0) impl_->HubIsGone();  // liblcm would reconnect.
   const auto size = static_cast<unsigned int>(bytes.size());
-  if (impl_->tiles && UdpTiles::NeedsTiles(size)) {
+  if (impl_->is_memq) {
+    impl_->PublishHere(channel, bytes);
+  } else if (impl_->tiles && UdpTiles::NeedsTiles(size)) {
     impl_->tiles->Publish(channel, bytes);
   } else if (lcm_publish(impl_->lcm.get(), channel.c_str(), bytes.data(), size) != 0) {
     throw std::runtime_error(fmt::format("bus: cannot publish on {} ({})", channel, impl_->url));
@@ -153,6 +163,27 @@ void Bus::SubscribeBytes(const std::string& channel,
     if (impl_->tiles) impl_->tiles->Subscribe(channel);
   }
   entry->handlers.push_back(std::move(handler));
+}
+
+void Bus::Impl::PublishHere(const std::string& name, MessageBytes bytes) {
+  const auto channel = channels.find(name);
+  if (channel == channels.end()) return;
+  std::vector<std::uint8_t> copy;
+  if (!spare.empty()) {
+    copy = std::move(spare.back());
+    spare.pop_back();
+  }
+  copy.assign(bytes.begin(), bytes.end());
+  waiting.emplace_back(channel->second.get(), std::move(copy));
+}
+
+bool Bus::Impl::HandleHere() {
+  if (waiting.empty()) return false;
+  auto [channel, bytes] = std::move(waiting.front());
+  waiting.pop_front();
+  Dispatch(*channel, bytes);
+  if (bytes.size() < kSpareBytes) spare.push_back(std::move(bytes));
+  return true;
 }
 
 // Not lcm_handle_timeout(): its select() aborts the process for a descriptor of -1 or >= 1024.
@@ -184,6 +215,11 @@ void Bus::Impl::RethrowError() {
 }
 
 bool Bus::Handle(int timeout_ms) {
+  if (impl_->is_memq) {
+    const bool came = impl_->HandleHere();
+    impl_->RethrowError();
+    return came;
+  }
   const bool is_readable = impl_->WaitForMessage(timeout_ms);
   if (impl_->tiles && impl_->HandleTiles()) {
     impl_->RethrowError();
@@ -201,7 +237,7 @@ bool Bus::Handle(int timeout_ms) {
   return true;
 }
 
-bool Bus::InProcess() const { return impl_->url.starts_with("memq:"); }
+bool Bus::InProcess() const { return impl_->is_memq; }
 
 std::int64_t Bus::DroppedByKernel() const {
   return impl_->tiles ? UdpDropsOfThisProcess(impl_->url) : 0;

@@ -1,5 +1,5 @@
-// The presets make the paper's failure, and nothing but the offset does: the whole geometric loop
-// over flights split as the paper's.
+// The presets make the paper's failure, and nothing but the offset does: flights split as the
+// paper's, scored as runs of them would be (tests/learn/tuple_source_test.cc).
 
 #include "cli/reproduce.h"
 
@@ -12,28 +12,33 @@ namespace windhover {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+using testing::Not;
 
-const ReproducedTable& TableNamed(const std::string& name) {
-  for (const ReproducedTable& table : ReproducedTables()) {
+ReproducedTable TableNamed(const std::string& name) {
+  for (const ReproducedTable& table : ReproducedTables(Effort::kQuick)) {
     if (table.name == name) return table;
   }
   throw std::invalid_argument(name);
 }
 
-// Rows of a table by method, each over `n_seeds` data sets.
-Json Rows(const std::string& name, const std::vector<std::string>& methods, int n_seeds) {
-  const TemporaryFolder folder;
+const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios";
+
+// Some rows of a table, over `n_seeds` data sets.
+Json Some(const std::string& name, const std::vector<std::string>& methods, int n_seeds) {
   ReproducedTable table = TableNamed(name);
   std::erase_if(table.rows, [&](const ReproducedRow& row) {
     return std::find(methods.begin(), methods.end(), row.method) == methods.end();
   });
-  ReproduceOptions options;
-  options.n_seeds = n_seeds;
-  options.scratch = folder.path();
-  options.scenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios";
-  const Json result = Reproduce(table, options);
+  return Reproduce(table, {.n_seeds = n_seeds, .scenarios = kScenarios});
+}
+
+Json Rows(const std::string& name, const std::vector<std::string>& methods, int n_seeds) {
+  const Json table = Some(name, methods, n_seeds);
   Json rows = Json::object();
-  for (const Json& row : result["rows"]) rows[row["method"].get<std::string>()] = row;
+  for (const Json& row : table["rows"]) {
+    rows[row["method"].get<std::string>()] = row;
+  }
   return rows;
 }
 
@@ -74,6 +79,60 @@ TEST(Reproduce, WithoutItsOffsetTheRigMeasuresAndVibrationIsNotTheCause) {
   EXPECT_NEAR(Of(rows, "no vibration", "abs_rel"), nominal, 0.02);
   EXPECT_NEAR(Of(rows, "vibration doubled", "abs_rel"), nominal, 0.02);
   EXPECT_NE(Of(rows, "vibration doubled", "abs_rel"), nominal);
+}
+
+TEST(Reproduce, EveryTableOfThePaperIsThere) {
+  std::vector<std::string> names;
+  for (const ReproducedTable& table : ReproducedTables(Effort::kFull)) {
+    names.push_back(table.name);
+    EXPECT_FALSE(table.rows.empty()) << table.name;
+  }
+  EXPECT_THAT(names,
+              testing::ElementsAre("comparison", "components", "corrections", "threshold",
+                                   "hard_samples", "lenses", "targets", "calibration", "audits"));
+}
+
+TEST(Reproduce, RowsOnTheSameDataAreScoredOnTheSameFrames) {
+  const Json rows = Rows("comparison", {"Baseline", "one offset calibrated", "ELAS"}, 1);
+  EXPECT_EQ(rows["Baseline"]["test"]["frames"], rows["one offset calibrated"]["test"]["frames"]);
+  EXPECT_LT(Of(rows, "one offset calibrated", "abs_rel"), 0.5 * Of(rows, "Baseline", "abs_rel"));
+  EXPECT_EQ(rows["ELAS"]["missing"], "not yet: dense matchers");
+  EXPECT_FALSE(rows["ELAS"].contains("test"));
+  EXPECT_EQ(rows["ELAS"]["paper"]["test"]["abs_rel"], 0.527);
+}
+
+// A short lesson corrects most of the error that every flight shares; the same seeds give the same
+// card and so the same numbers on any number of threads.
+TEST(Reproduce, LearnedRowsLearnFromTheTrainingSplit) {
+  ReproducedTable table = TableNamed("components");
+  table.rows.resize(2);  // Baseline and PCM.
+  for (ReproducedRow& row : table.rows) row.lesson.recipe.epochs = 20;
+  const auto made = [&](int threads) {
+    const TemporaryFolder folder;
+    CardShelf cards(folder.path(), BaseOf(table.rows[0], kScenarios), threads);
+    return Reproduce(table, {.n_seeds = 1,
+                             .n_training_seeds = 2,
+                             .threads = threads,
+                             .scenarios = kScenarios,
+                             .cards = &cards});
+  };
+  const Json one = made(1);
+  EXPECT_LT(one["rows"][1]["test"]["abs_rel"].get<double>(),
+            0.6 * one["rows"][0]["test"]["abs_rel"].get<double>());
+  EXPECT_EQ(one, made(2));
+}
+
+TEST(ReproducedPage, SaysWhatIsMissingAndWhatDiffers) {
+  Json table = Some("calibration", {"Uncalibrated", "Zhang"}, 1);
+  table["rows"][0]["test"]["abs_rel"] = 0.6;
+  table["rows"][0]["test"]["ci95"]["abs_rel"] = {0.55, 0.65};
+  std::string page = ReproducedPage({table});
+  EXPECT_THAT(page, HasSubstr("0.600 is above the paper's 0.478. The paper's table I"));
+  EXPECT_THAT(page, HasSubstr("not yet: calibration"));
+  EXPECT_THAT(page, HasSubstr("<td>– | 0.468</td>"));
+  table["rows"][0]["test"]["ci95"]["abs_rel"] = {0.45, 0.65};
+  EXPECT_THAT(ReproducedPage({table}), Not(HasSubstr("is above the paper")));
+  EXPECT_THAT(ReproducedText(table), HasSubstr("0.600 | 0.478"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "estimator/estimator_node.h"
 #include "eval/run_log_record.h"
 #include "eval/samples.h"
+#include "learn/method_trial.h"
 #include "render/render_node.h"
 #include "scenarios/dataset.h"
 #include "sim/sim_node.h"
@@ -41,7 +42,8 @@ RunRecord Flown(const Scenario& scenario) {
   const RenderNode render(scenario, {}, 1, render_client);
   const EstimatorNode estimator(config, {}, estimator_client);
   const SwarmNode swarm(config, {}, swarm_client);
-  EXPECT_TRUE(sim.Run().valid);
+  const RunOutcome outcome = sim.Run();
+  EXPECT_TRUE(outcome.valid) << outcome.reason;
   return ReadRunRecord(options.log_file);
 }
 
@@ -117,6 +119,25 @@ TEST(TupleSource, AnyNumberOfThreadsDrawsTheSameAndAnotherSeedOthers) {
   ExpectSameBits(one.train, three.train);
   ExpectSameBits(one.val, three.val);
   EXPECT_NE(Numbers(DrawTuples(base, 2, 1).test[0]), Numbers(one.test[0]));
+}
+
+// Methods that remember, too, need no loop to be scored.
+TEST(MethodTrial, GivesTheDistancesOfARun) {
+  const Scenario base = Base("uavde_12mm", {"geometric.miss_rate=0.1"});
+  const Scenario flight = DatasetFlight(base, Split::kTest, 0, 3);
+  std::vector<TrialMethod> methods;
+  for (const std::string& method : flight.estimator.methods) methods.push_back({method, ""});
+  const auto tried = TryMethods({flight}, methods, 1);
+  const std::vector<TargetFrame> flown = CollectTargetFrames(Flown(flight)).frames;
+  ASSERT_EQ(tried[0].size(), flown.size());
+  for (std::size_t i = 0; i < flown.size(); ++i) {
+    EXPECT_EQ(tried[0][i].reference_m, flown[i].reference_m);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      const auto& estimate = flown[i].estimates[m];
+      // No estimate is as good as none: 0.
+      EXPECT_EQ(tried[0][i].range_m[m].value_or(0), estimate ? estimate->range_m : 0) << i;
+    }
+  }
 }
 
 }  // namespace
