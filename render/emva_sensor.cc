@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/random/random_stream.h"
 #include "render/pixel_noise.h"
 
 namespace windhover {
@@ -11,15 +12,17 @@ namespace {
 
 constexpr float kLargestPoissonMean = 32;
 
-std::uint32_t KeyOf(std::uint64_t key, std::uint32_t purpose) {
-  return Hash32(static_cast<std::uint32_t>(key) ^
-                Hash32(static_cast<std::uint32_t>(key >> 32) + 0x9e3779b9u * purpose));
+// A hash of 32 bits. Source: C. Wellons, "Prospecting for Hash Functions", 2018 (lowbias32).
+std::uint32_t Hash32(std::uint32_t h) {
+  h = (h ^ (h >> 16)) * 0x7feb352du;
+  h = (h ^ (h >> 15)) * 0x846ca68bu;
+  return h ^ (h >> 16);
 }
 
-__attribute__((target_clones("default", "avx2"))) void FillNormal(std::uint32_t key0,
-                                                                  std::uint32_t key1, int count,
-                                                                  float* values) {
-  for (int i = 0; i < count; ++i) values[i] = PixelNoise(key0, key1, i);
+std::uint64_t KeyOf(std::uint64_t key, std::uint64_t purpose) {
+  RandomStream stream(key, "emva");
+  stream.Seek(purpose);
+  return stream();
 }
 
 // e^-x for x in [0, 32], by Taylor's series at x / 64 and six squarings: 1e-6 relative.
@@ -95,15 +98,15 @@ void EmvaSensor::Expose(const SensorRowKeys& keys, double exposure_s, double gai
   }
   if (noise_) {
     std::vector<float> normal(size);
-    const auto fill = [&](std::uint64_t key, std::uint32_t purpose) {
-      FillNormal(KeyOf(key, purpose), KeyOf(key, purpose + 1), count, normal.data());
+    const auto fill = [&](std::uint64_t key, std::uint64_t purpose) {
+      FillNoise(KeyOf(key, purpose), count, normal.data());
     };
     fill(keys.pattern, 0);
     for (std::size_t i = 0; i < size; ++i) {
       electrons[i] += (electrons[i] - dark_current_e) * (prnu_ * normal[i]);
     }
-    fill(keys.frame, 2);
-    const std::uint32_t poisson_key = KeyOf(keys.frame, 4);
+    fill(keys.frame, 1);
+    const auto poisson_key = static_cast<std::uint32_t>(KeyOf(keys.frame, 2));
     for (std::size_t i = 0; i < size; ++i) {
       const float mean = electrons[i];
       electrons[i] =
@@ -111,9 +114,9 @@ void EmvaSensor::Expose(const SensorRowKeys& keys, double exposure_s, double gai
               ? Poisson(mean, Hash32(poisson_key ^ Hash32(static_cast<std::uint32_t>(i))))
               : mean + std::sqrt(mean) * normal[i];
     }
-    fill(keys.pattern, 6);
+    fill(keys.pattern, 3);
     for (std::size_t i = 0; i < size; ++i) dark_e[i] = dsnu_e_ * normal[i];
-    fill(keys.frame, 8);
+    fill(keys.frame, 4);
     for (std::size_t i = 0; i < size; ++i) dark_e[i] += read_noise_e_ * normal[i];
   }
   ReadOut({full_well_e_, static_cast<float>(gain_dn_per_e_ * gain), static_cast<float>(offset_dn_),

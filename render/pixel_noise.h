@@ -3,43 +3,40 @@
 #include <bit>
 #include <cstdint>
 
+#include "common/cpu/instruction_set.h"
+
 namespace windhover {
 
-// Inlined into kernels that are compiled for several processors: integers, and floats whose every
-// operation IEEE 754 rounds exactly, so the same bits at any width.
+// Noise of the pixels of a row: a function of a key and the position alone, and the same bits from
+// every instruction set.
+//
+// Values come in blocks of 64, each from 128 bytes that are uniform: position 16 p + k of a block
+// is the sum of eight of them with the signs of row p of a Hadamard matrix. A byte serves four
+// positions, which do not correlate since rows are orthogonal. A value's kurtosis is -0.15, and so
+// is what the squares of two that share their bytes have in common; none is beyond 4.9 sigma.
+// Bytes: sixteen xorshift generators of 64 bits, started by SplitMix64. Source: G. Marsaglia,
+// "Xorshift RNGs", J. Stat. Softw. 8(14), 2003.
 
-/// A hash of 32 bits. Source: C. Wellons, "Prospecting for Hash Functions", 2018 (lowbias32).
-inline __attribute__((always_inline)) std::uint32_t Hash32(std::uint32_t h) {
-  h = (h ^ (h >> 16)) * 0x7feb352du;
-  h = (h ^ (h >> 15)) * 0x846ca68bu;
-  return h ^ (h >> 16);
-}
+/// Writes `count` normal values of deviation 1.
+void FillNoise(std::uint64_t key, int count, float* values);
 
-/// Normal noise of value `i` of a row, of deviation 1: the sum of eight uniform bytes. Kurtosis
-/// -0.15, never beyond 4.9.
-inline __attribute__((always_inline)) float PixelNoise(std::uint32_t key0, std::uint32_t key1,
-                                                       int i) {
-  // Mean and deviation of the sum, whose variance is 8 (2^16 - 1) / 12.
-  constexpr float kMean = 1020, kPerSigma = 1 / 209.022f;
-  const std::uint32_t h = Hash32((static_cast<std::uint32_t>(i) * 0x9e3779b9u) ^ key0);
-  std::uint32_t g = (h ^ key1) * 0x21f0aaadu;
-  g = (g ^ (g >> 15)) * 0xd35a2d97u;
-  g ^= g >> 15;
-  const std::uint32_t pairs =
-      (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu) + (g & 0x00ff00ffu) + ((g >> 8) & 0x00ff00ffu);
-  const auto sum = static_cast<std::int32_t>((pairs & 0xffffu) + (pairs >> 16));
-  return (static_cast<float>(sum) - kMean) * kPerSigma;
-}
+/// Variances of noise, for light of which 65535 is white.
+struct LightNoise {
+  float per_light;  ///< Shot noise: variance for each unit of light.
+  float of_read;
+};
 
-/// The square root of `v` >= 0, true to 5e-6 of it: two steps of Newton's method for its inverse.
-/// A processor's own square root takes half the time of the noise. Source of the first guess:
-/// C. Lomont, "Fast Inverse Square Root", 2003.
+/// Adds noise to `count` values of light, rounded, within 0 to 65535.
+void AddNoise(std::uint64_t key, const LightNoise& noise, int count, std::uint16_t* light,
+              InstructionSet isa = WidestInstructionSet());
+
+/// The square root of `v` >= 0, true to 7e-4 of it: Newton's method for its inverse, whose guess
+/// and one step are fitted to each other. Source: J. Kadlec, "Improving the fast inverse square
+/// root", 2010. A processor's own square root takes half the time of the noise.
 inline __attribute__((always_inline)) float QuickRoot(float v) {
-  float inverse = std::bit_cast<float>(0x5f375a86 - (std::bit_cast<std::int32_t>(v) >> 1));
-  const float half = 0.5f * v;
-  inverse *= 1.5f - half * inverse * inverse;
-  inverse *= 1.5f - half * inverse * inverse;
-  return v * inverse;
+  const float guess = std::bit_cast<float>(0x5f1ffff9 - (std::bit_cast<std::int32_t>(v) >> 1));
+  const float root = v * guess;
+  return root * 0.703952253f * (2.38924456f - root * guess);
 }
 
 }  // namespace windhover

@@ -12,47 +12,6 @@ namespace {
 
 constexpr float kWhite = 65535;
 
-struct NoiseParameters {
-  std::uint32_t key0, key1;
-  float variance_per_light, read_variance;
-};
-
-// Compiled for each instruction set; the same bits at any width.
-inline __attribute__((always_inline)) void AddNoise(const NoiseParameters& parameters, int count,
-                                                    std::uint16_t* linear) {
-  const NoiseParameters p = parameters;
-  for (int i = 0; i < count; ++i) {
-    const auto light = static_cast<float>(static_cast<std::int32_t>(linear[i]));
-    const float sigma = QuickRoot(light * p.variance_per_light + p.read_variance);
-    const float noise = sigma * PixelNoise(p.key0, p.key1, i);
-    // Shifted so that truncation rounds to nearest on both sides of 0.
-    std::int32_t noisy = static_cast<std::int32_t>(light + noise + 65536.5f) - 65536;
-    noisy = noisy < 0 ? 0 : noisy;
-    linear[i] = static_cast<std::uint16_t>(noisy > 65535 ? 65535 : noisy);
-  }
-}
-
-__attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))) void AddNoiseAvx512(
-    const NoiseParameters& parameters, int count, std::uint16_t* linear) {
-  AddNoise(parameters, count, linear);
-}
-
-__attribute__((target("avx2"))) void AddNoiseAvx2(const NoiseParameters& parameters, int count,
-                                                  std::uint16_t* linear) {
-  AddNoise(parameters, count, linear);
-}
-
-void AddNoiseToRow(const NoiseParameters& parameters, int count, std::uint16_t* linear) {
-  switch (WidestInstructionSet()) {
-    case InstructionSet::kAvx512:
-      return AddNoiseAvx512(parameters, count, linear);
-    case InstructionSet::kAvx2:
-      return AddNoiseAvx2(parameters, count, linear);
-    case InstructionSet::kSse2:
-      return AddNoise(parameters, count, linear);
-  }
-}
-
 // Every value becomes the luminance of its pixel (Rec. ITU-R BT.709), in 65536ths.
 void MakeGrey(int count, std::uint16_t* linear) {
   for (int i = 0; i + 2 < count; i += 3) {
@@ -116,10 +75,8 @@ void Sensor::Expose(const Shot& shot, int row, int count, std::uint16_t* linear)
   const auto gain = static_cast<float>(shot.gain);
   if (gain != 1) Scale(gain, count, linear);
   if (!noise_) return;
-  const std::uint64_t bits = RowKey("render/sensor", shot.key, shot.key.tick, row);
-  AddNoiseToRow({static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32),
-                 variance_per_light_ * gain, read_variance_ * gain * gain},
-                count, linear);
+  AddNoise(RowKey("render/sensor", shot.key, shot.key.tick, row),
+           {variance_per_light_ * gain, read_variance_ * gain * gain}, count, linear);
 }
 
 double Sensor::MeanLight(const RgbImage& image) const {

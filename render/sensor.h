@@ -33,9 +33,9 @@ struct Shot {
 /// From light to bytes: noise in linear light, then the transfer curve.
 ///
 /// Model fast: white is a full well of N electrons; e electrons have a variance of e + read²,
-/// drawn from a sum of eight uniform bytes (kurtosis -0.15, never beyond 4.9 sigma). Source: EMVA
-/// Standard 1288 release 4.0, linear camera model, of which EmvaSensor has all. Noise is a function
-/// of key, row and column alone.
+/// drawn from a sum of eight uniform bytes (render/pixel_noise.h). Source: EMVA Standard 1288
+/// release 4.0, linear camera model, of which EmvaSensor has all. Noise is a function of key, row
+/// and column alone.
 class Sensor {
  public:
   explicit Sensor(const SensorConfig& config);

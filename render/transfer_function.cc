@@ -14,7 +14,9 @@ namespace {
 constexpr int kStepShift = 3;
 // A float's exponent and first bit of its mantissa name its half octave; steps begin at 0.5.
 constexpr int kPieceShift = 22;
-constexpr std::int32_t kFirstPiece = std::bit_cast<std::int32_t>(0.5f) >> kPieceShift;
+
+// Pieces are numbered from an arbitrary one on, in a circle, as a permutation takes its index.
+std::int32_t PieceOf(float x) { return (std::bit_cast<std::int32_t>(x) >> kPieceShift) & 31; }
 
 double ValueOf(TransferCurve curve, double light) {
   switch (curve) {
@@ -66,32 +68,32 @@ double LightOf(TransferCurve curve, double value) {
 }
 
 TransferFunction::TransferFunction(TransferCurve curve) {
-  for (int piece = 0; piece < kPieces; ++piece) {
-    const auto start = [](int i) {
-      return static_cast<double>(std::bit_cast<float>((kFirstPiece + i) << kPieceShift));
-    };
-    const auto byte_of = [curve](double steps) {
-      return 255 * ValueOf(curve, std::fmin(steps / kSteps, 1)) + 0.5;
-    };
-    const std::array<double, 4> cubic = CubicThrough(start(piece), start(piece + 1), byte_of);
+  const auto byte_of = [curve](double steps) {
+    return 255 * ValueOf(curve, std::fmin(steps / kSteps, 1)) + 0.5;
+  };
+  // The first half octave holds step 0 alone: black stays black.
+  float start = 0.75f;
+  for (int i = 1; i < kPieces; ++i) {
+    const float end = std::bit_cast<float>(std::bit_cast<std::int32_t>(start) + (1 << kPieceShift));
+    const std::array<double, 4> cubic = CubicThrough(start, end, byte_of);
     for (std::size_t power = 0; power < 4; ++power) {
-      coefficients_[power][static_cast<std::size_t>(piece)] = static_cast<float>(cubic[power]);
+      coefficients_[power][static_cast<std::size_t>(PieceOf(start))] =
+          static_cast<float>(cubic[power]);
     }
+    start = end;
   }
   for (int step = 0; step < kSteps; ++step) table_[static_cast<std::size_t>(step)] = ByteOf(step);
 }
 
-// Black stays black.
 std::uint8_t TransferFunction::ByteOf(int step) const {
   const float x = static_cast<float>(step) + 0.5f;
-  const auto piece =
-      static_cast<std::size_t>((std::bit_cast<std::int32_t>(x) >> kPieceShift) - kFirstPiece);
+  const auto piece = static_cast<std::size_t>(PieceOf(x));
   const auto& c = coefficients_;
   const float y = c[0][piece] + x * (c[1][piece] + x * (c[2][piece] + x * c[3][piece]));
-  return step == 0 ? 0 : static_cast<std::uint8_t>(static_cast<std::int32_t>(y));
+  return static_cast<std::uint8_t>(static_cast<std::int32_t>(y));
 }
 
-__attribute__((target("avx512f,avx512bw"))) void TransferFunction::ApplyAvx512(
+__attribute__((target("avx512f,avx512bw,avx512vl"))) void TransferFunction::ApplyAvx512(
     const std::uint16_t* linear, int count, std::uint8_t* bytes) const {
   __m512 low[4], high[4];
   for (std::size_t power = 0; power < 4; ++power) {
@@ -100,19 +102,16 @@ __attribute__((target("avx512f,avx512bw"))) void TransferFunction::ApplyAvx512(
   }
   for (int i = 0; i < count; i += 16) {
     const auto present = static_cast<__mmask16>(count - i < 16 ? (1 << (count - i)) - 1 : 0xffff);
-    const __m256i light = _mm256_srli_epi16(
-        _mm512_castsi512_si256(_mm512_maskz_loadu_epi16(present, linear + i)), kStepShift);
-    const __m512i step = _mm512_cvtepu16_epi32(light);
+    const __m256i light = _mm256_maskz_loadu_epi16(present, linear + i);
+    const __m512i step = _mm512_cvtepu16_epi32(_mm256_srli_epi16(light, kStepShift));
     const __m512 x = _mm512_add_ps(_mm512_cvtepi32_ps(step), _mm512_set1_ps(0.5f));
-    const __m512i piece = _mm512_sub_epi32(_mm512_srli_epi32(_mm512_castps_si512(x), kPieceShift),
-                                           _mm512_set1_epi32(kFirstPiece));
+    const __m512i piece = _mm512_srli_epi32(_mm512_castps_si512(x), kPieceShift);
     __m512 y = _mm512_permutex2var_ps(low[3], piece, high[3]);
     for (std::size_t power = 3; power-- > 0;) {
       y = _mm512_add_ps(_mm512_permutex2var_ps(low[power], piece, high[power]),
                         _mm512_mul_ps(x, y));
     }
-    const __m512i byte = _mm512_maskz_cvttps_epi32(_mm512_test_epi32_mask(step, step), y);
-    _mm512_mask_cvtepi32_storeu_epi8(bytes + i, present, byte);
+    _mm_mask_storeu_epi8(bytes + i, present, _mm512_cvtepi32_epi8(_mm512_cvttps_epi32(y)));
   }
 }
 
