@@ -11,6 +11,7 @@ namespace windhover {
 namespace {
 
 constexpr int kTile = 64;
+constexpr std::size_t kWindowMargin = 32;
 constexpr int kWidthStep = 256;
 constexpr double kTexelsPerPixel = 0.85;
 
@@ -33,10 +34,24 @@ std::pair<int, int> WholeTiles(int min, int max, bool had_any, int old_min, int 
 }
 
 std::uint16_t Encode(float light) {
-  return static_cast<std::uint16_t>(std::fmin(std::fmax(light, 0.0f), 1.0f) * 65535 + 0.5f);
+  return static_cast<std::uint16_t>(std::fmin(std::fmax(light, 0.0f), 1.0f) * 32767 + 0.5f);
 }
 
 }  // namespace
+
+void MapWindow::Resize(int new_width, int new_height) {
+  width = new_width;
+  height = new_height;
+  planes.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) +
+                kWindowMargin);
+}
+
+void MapWindow::SetRow(int v, const Texel* texels) {
+  std::uint16_t* plane = planes.data() + (Row(v) - planes.data());
+  for (std::size_t c = 0; c < 3; ++c, plane += width) {
+    for (int u = 0; u < width; ++u) plane[u] = texels[u][c];
+  }
+}
 
 Chart ChartFor(const Eigen::Vector3d& d_W) {
   return std::abs(d_W.z()) < 0.77 ? Chart::kUpright : Chart::kLying;  // 50°
@@ -103,7 +118,7 @@ std::vector<Texel> RadianceMap::ComputeTile(const TileKey& key) const {
   std::vector<Texel> texels;
   texels.reserve(light.size());
   for (const Eigen::Vector3f& rgb : light) {
-    texels.push_back({Encode(rgb.x()), Encode(rgb.y()), Encode(rgb.z()), 0});
+    texels.push_back({Encode(rgb.x()), Encode(rgb.y()), Encode(rgb.z())});
   }
   return texels;
 }
@@ -148,33 +163,31 @@ std::vector<RadianceMap::TileKey> RadianceMap::TilesOf(const MapWindow& window) 
 
 void RadianceMap::Cover(Chart chart, int u_min, int u_max, int v_min, int v_max, int threads,
                         MapWindow* window) {
-  if (!window->texels.empty() && window->chart == chart && u_min >= window->u0 &&
+  if (!window->planes.empty() && window->chart == chart && u_min >= window->u0 &&
       u_max < window->u0 + window->width && v_min >= window->v0 &&
       v_max < window->v0 + window->height) {
     return;
   }
   ++covers_;
-  const bool is_near = !window->texels.empty() && window->chart == chart;
+  const bool is_near = !window->planes.empty() && window->chart == chart;
   const auto [u0, u1] = WholeTiles(u_min, u_max, is_near, window->u0, window->width);
   const auto [v0, v1] = WholeTiles(v_min, v_max, is_near, window->v0, window->height);
   window->chart = chart;
   window->u0 = u0;
   window->v0 = v0;
-  window->width = u1 - u0;
-  window->height = v1 - v0;
+  window->Resize(u1 - u0, v1 - v0);
   const std::vector<TileKey> keys = TilesOf(*window);
   ComputeTiles(keys, threads);
-  window->texels.resize(static_cast<std::size_t>(window->width) *
-                        static_cast<std::size_t>(window->height));
-  auto key = keys.begin();
-  for (int v = 0; v < window->height; v += kTile) {
+  std::vector<const Texel*> tiles;
+  for (const TileKey& key : keys) tiles.push_back(tiles_.at(key).texels.data());
+  const std::size_t n_columns = static_cast<std::size_t>(window->width / kTile);
+  std::vector<Texel> row(static_cast<std::size_t>(window->width));
+  for (int v = 0; v < window->height; ++v) {
+    const Texel* const* tile = tiles.data() + static_cast<std::size_t>(v / kTile) * n_columns;
     for (int u = 0; u < window->width; u += kTile) {
-      const Texel* from = tiles_.at(*key++).texels.data();
-      Texel* to = window->texels.data() + static_cast<std::ptrdiff_t>(v) * window->width + u;
-      for (int row = 0; row < kTile; ++row, from += kTile, to += window->width) {
-        std::copy_n(from, kTile, to);
-      }
+      std::copy_n(*tile++ + v % kTile * kTile, kTile, row.data() + u);
     }
+    window->SetRow(v, row.data());
   }
   ForgetOldTiles();
 }

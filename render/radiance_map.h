@@ -18,18 +18,27 @@ enum class Chart { kUpright, kLying };
 /// The chart whose pole is far from the direction `d_W`.
 Chart ChartFor(const Eigen::Vector3d& d_W);
 
-/// Red, green, blue and nothing; 65535 is white, linear.
-using Texel = std::array<std::uint16_t, 4>;
+/// Red, green and blue; 32767 is white, linear.
+using Texel = std::array<std::uint16_t, 3>;
 
-/// A rectangle of a map's texels, contiguous in memory.
+/// A rectangle of a map's texels, as interpolation wants them.
 struct MapWindow {
   Chart chart = Chart::kUpright;
   int u0 = 0, v0 = 0;         ///< Map coordinates of its first texel; u0 is not wrapped.
   int width = 0, height = 0;  ///< Texels.
-  std::vector<Texel> texels;  ///< Rows from the top.
+  /// Rows from the top, in each row three planes of `width` values: red, green, blue. Some more
+  /// values follow, for vectors that begin at the last texels.
+  std::vector<std::uint16_t> planes;
 
-  const Texel* Row(int v) const {
-    return texels.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
+  void Resize(int new_width, int new_height);
+  /// Sets row `v` of `width` texels.
+  void SetRow(int v, const Texel* texels);
+  const std::uint16_t* Row(int v) const {
+    return planes.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(3 * width);
+  }
+  Texel At(int u, int v) const {
+    const std::uint16_t* red = Row(v) + u;
+    return {red[0], red[width], red[2 * width]};
   }
 };
 
@@ -38,7 +47,7 @@ struct MapWindow {
 /// same map.
 class RadianceMap {
  public:
-  static constexpr std::size_t kMaxTiles = 1536;  ///< 48 MiB.
+  static constexpr std::size_t kMaxTiles = 1536;  ///< 36 MiB.
 
   /// `focal_px`: of the lens, its pixels per radian. The map has up to 0.9 texels a pixel, so
   /// that linear interpolation between texels does not alias.

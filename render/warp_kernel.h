@@ -18,12 +18,12 @@ struct WarpedRow {
 };
 
 /// Values beyond a row's last that a warp may write.
-inline constexpr int kRowMargin = 1;
+inline constexpr int kRowMargin = 2;
 
-/// Interpolates linearly between four texels for each pixel of `row`. Integers only, so every
-/// instruction set gives the same bits; products are cut, which costs at most 4/65536 of white.
-/// Writes 3 · width_px values and up to kRowMargin more. `window` holds all places and one texel to
-/// the right of and below each.
+/// Interpolates linearly between four texels for each pixel of `row`: 3 · width_px values of
+/// light, 65532 is white, true to 2. Integers only, so every instruction set gives the same bits.
+/// Writes up to kRowMargin values more. `window` holds all places and one texel to the right of
+/// and below each.
 void WarpRow(const MapWindow& window, const WarpedRow& row, std::uint16_t* rgb,
              InstructionSet isa = WidestInstructionSet());
 

@@ -126,9 +126,9 @@ BENCHMARK(BM_Target)
 // One row of 1280 px, as a slightly rolled camera sees it.
 void BM_WarpRow(benchmark::State& state) {
   MapWindow window;
-  window.width = 1536;
-  window.height = 128;
-  window.texels.resize(1536 * 128, Texel{30000, 20000, 10000, 0});
+  window.Resize(1536, 128);
+  const std::vector<Texel> texels(1536, Texel{15000, 10000, 5000});
+  for (int row = 0; row < 128; ++row) window.SetRow(row, texels.data());
   std::vector<std::int32_t> u, v;
   for (int i = 0; i <= 1280 / kWarpCell_px; ++i) {
     u.push_back(100 * 65536 + i * 891'000);
