@@ -19,12 +19,17 @@ Eigen::Vector3d RayOf(const AnyCamera& camera, const Eigen::Vector2d& q_px) {
 }
 
 std::int32_t ToFixed(double texels) {
-  return static_cast<std::int32_t>(std::lround(texels * 65536));
+  return static_cast<std::int32_t>(std::floor(texels * 65536 + 0.5));
 }
 
 // Of the way from one row of nodes to the next, `t` of kRayCell_px rows.
-std::int32_t Between(std::int32_t a, std::int32_t b, int t) {
-  return a + ((b - a) * t + kRayCell_px / 2) / kRayCell_px;
+__attribute__((target_clones("default", "avx2"))) void FillBetween(const std::int32_t* above,
+                                                                   const std::int32_t* below, int t,
+                                                                   std::size_t count,
+                                                                   std::int32_t* nodes) {
+  for (std::size_t i = 0; i < count; ++i) {
+    nodes[i] = above[i] + ((below[i] - above[i]) * t + kRayCell_px / 2) / kRayCell_px;
+  }
 }
 
 }  // namespace
@@ -98,10 +103,8 @@ void BackgroundWarp::Row(int y, std::uint16_t* rgb) const {
   const std::size_t above = static_cast<std::size_t>(y / kRayCell_px) * columns;
   const int t = y % kRayCell_px;
   std::vector<std::int32_t> u(columns), v(columns);
-  for (std::size_t i = 0; i < columns; ++i) {
-    u[i] = Between(u_[above + i], u_[above + columns + i], t);
-    v[i] = Between(v_[above + i], v_[above + columns + i], t);
-  }
+  FillBetween(u_.data() + above, u_.data() + above + columns, t, columns, u.data());
+  FillBetween(v_.data() + above, v_.data() + above + columns, t, columns, v.data());
   WarpRow(window_, {u.data(), v.data(), grid_.width_px}, rgb);
 }
 

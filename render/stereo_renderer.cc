@@ -9,7 +9,7 @@ namespace windhover {
 namespace {
 
 // Parts that an image is divided into for several threads.
-constexpr int kBands = 8;
+constexpr int kBands = 16;
 
 int FirstRowOf(int band, int height_px) { return band * height_px / kBands; }
 
@@ -123,9 +123,9 @@ void StereoRenderer::KeepSurroundings(EyeView* eye, int band) const {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const std::ptrdiff_t count = width_px * 3;
   // What is written beyond a row must not be the next band's.
-  std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + kRowMargin);
+  std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + kRowMargin), other(row);
   for (int y = FirstRowOf(band, height_px); y < FirstRowOf(band + 1, height_px); ++y) {
-    BackgroundRow(eye->backgrounds, y, row);
+    BackgroundRow(eye->backgrounds, y, row, other);
     std::copy_n(row.data(), count, eye->linear.data() + y * count);
   }
 }
@@ -149,15 +149,20 @@ void StereoRenderer::SpreadSurroundings() {
               });
 }
 
-// Row by row, so that a row is still in the cache when its last step takes it up.
-void StereoRenderer::FinishBand(const Shot& shot, int band, EyeView* eye, RgbImage* image) const {
-  const int height_px = image->height_px;
-  const std::ptrdiff_t count = image->width_px * 3;
-  std::vector<std::uint16_t> own_row(static_cast<std::size_t>(count) + kRowMargin);
+// Row by row, so that a row is still in the cache when its last step takes it up, and so are the
+// surroundings, of which both eyes see nearly the same.
+void StereoRenderer::FinishBand(int band, int tick, StereoView* view, RenderedPair* pair) const {
+  const auto [width_px, height_px] = scenario_.rig.calibrated.image;
+  const std::ptrdiff_t count = width_px * 3;
+  std::vector<std::uint16_t> own_row(static_cast<std::size_t>(count) + kRowMargin), other(own_row);
+  const std::array shots = {ShotOf(view->eyes[0], tick), ShotOf(view->eyes[1], tick)};
   for (int y = FirstRowOf(band, height_px); y < FirstRowOf(band + 1, height_px); ++y) {
-    std::uint16_t* row = keeps_surroundings_ ? eye->linear.data() + y * count : own_row.data();
-    if (!keeps_surroundings_) BackgroundRow(eye->backgrounds, y, own_row);
-    ComposeRow(eye->layers, eye->shading, sensor_, shot, y, row, image);
+    for (EyeView& eye : view->eyes) {
+      std::uint16_t* row = keeps_surroundings_ ? eye.linear.data() + y * count : own_row.data();
+      if (!keeps_surroundings_) BackgroundRow(eye.backgrounds, y, own_row, other);
+      ComposeRow(eye.layers, eye.shading, sensor_, shots[static_cast<std::size_t>(eye.index)], y,
+                 row, eye.index == 0 ? &pair->left : &pair->right);
+    }
   }
 }
 
@@ -216,10 +221,9 @@ std::vector<RenderedPair> StereoRenderer::Render(const world_truth_t& world, int
   for (const auto& view : views_) {
     pairs.push_back({NewImage(), NewImage(), view->annotation, view->eyes[0].setting.duration_s});
   }
-  ParallelFor(CountEyes() * kBands, threads_, [&](int task, int) {
-    EyeView* eye = EyeOf(task / kBands);
-    RenderedPair& pair = pairs[eye->observer->index];
-    FinishBand(ShotOf(*eye, tick), task % kBands, eye, eye->index == 0 ? &pair.left : &pair.right);
+  ParallelFor(n_observers * kBands, threads_, [&](int task, int) {
+    const auto i = static_cast<std::size_t>(task / kBands);
+    FinishBand(task % kBands, tick, views_[i].get(), &pairs[i]);
   });
   Adapt(pairs, tick);
   return pairs;

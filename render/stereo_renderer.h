@@ -50,7 +50,7 @@ class StereoRenderer {
   void DrawParts(const world_truth_t& world);
   void KeepSurroundings(EyeView* eye, int band) const;
   void SpreadSurroundings();
-  void FinishBand(const Shot& shot, int band, EyeView* eye, RgbImage* image) const;
+  void FinishBand(int band, int tick, StereoView* view, RenderedPair* pair) const;
   RgbImage NewImage();  ///< Holds anything.
   void Adapt(const std::vector<RenderedPair>& pairs, int tick);
   Shot ShotOf(const EyeView& eye, int tick) const;

@@ -1,9 +1,10 @@
 #include "render/warp_kernel.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include <immintrin.h>
+
+#include "render/warp_patches.h"
 
 namespace windhover {
 namespace {
@@ -13,20 +14,6 @@ namespace {
 
 // Weights are of 32767, and so are texels: what 32767 of white is, shifted by this, is 65532.
 constexpr int kShift = 14, kHalf = 1 << (kShift - 1);
-
-// Up to 16 pixels along a row.
-struct Span {
-  std::int32_t u0, v0, u1, v1;
-  int count;
-
-  std::int32_t U(int i) const { return u0 + (((u1 - u0) * i + 8) >> 4); }
-  std::int32_t V(int i) const { return v0 + (((v1 - v0) * i + 8) >> 4); }
-};
-
-inline Span SpanAt(const WarpedRow& row, int x) {
-  const int i = x / kWarpCell_px;
-  return {row.u[i], row.v[i], row.u[i + 1], row.v[i + 1], std::min(kWarpCell_px, row.width_px - x)};
-}
 
 // --- SSE2, which every x86-64 processor has ------------------------------------------------------
 
@@ -56,7 +43,7 @@ void DrawPixel(const MapWindow& window, std::int32_t u, std::int32_t v, std::uin
   rgb[2] = static_cast<std::uint16_t>(_mm_extract_epi16(light, 4));
 }
 
-void DrawSpan(const MapWindow& window, const Span& span, std::uint16_t* rgb) {
+void DrawSpan(const MapWindow& window, const WarpSpan& span, std::uint16_t* rgb) {
   for (int i = 0; i < span.count; ++i) DrawPixel(window, span.U(i), span.V(i), rgb + 3 * i);
 }
 
@@ -64,32 +51,6 @@ void RowSse2(const MapWindow& window, const WarpedRow& row, std::uint16_t* rgb) 
   for (int x = 0; x < row.width_px; x += kWarpCell_px) {
     DrawSpan(window, SpanAt(row, x), rgb + 3 * x);
   }
-}
-
-// --- Wider: texels picked from whole rows of them ------------------------------------------------
-
-// Where some pixels of a span look: texels from (column, row) on, in so many rows.
-struct Patch {
-  int column, row, n_rows;
-  const std::uint16_t* texels;
-};
-
-constexpr int kMaxPatchRows = 6;
-
-// The patch of pixels `first` to `last`, if it has at most `n` columns of pairs. Places are in a
-// straight line, so the ends bound them.
-inline bool FindPatch(const MapWindow& window, const Span& span, int first, int last, int n,
-                      Patch* patch) {
-  const auto [left, right] = std::minmax({span.U(first) >> 16, span.U(last) >> 16});
-  const auto [top, bottom] = std::minmax({span.V(first) >> 16, span.V(last) >> 16});
-  *patch = {left, top, bottom - top + 2, window.Row(top) + left};
-  return right - left < n && patch->n_rows <= kMaxPatchRows;
-}
-
-// The row below a patch is what the next rows of the image need; it is far away by then.
-inline void Prefetch(const MapWindow& window, const Patch& patch) {
-  const std::uint16_t* below = patch.texels + std::ptrdiff_t{3} * patch.n_rows * window.width;
-  for (int c = 0; c < 3; ++c, below += window.width) _mm_prefetch(below, _MM_HINT_T0);
 }
 
 // --- AVX2: eight pixels at a time ----------------------------------------------------------------
@@ -178,16 +139,9 @@ WINDHOVER_AVX2 inline __attribute__((always_inline)) void Put(const EightPixels&
 }
 
 WINDHOVER_AVX2 inline __attribute__((always_inline)) void DrawEight(const MapWindow& window,
-                                                                    const Span& span, int first,
-                                                                    std::uint16_t* rgb) {
-  Patch patch;
-  if (!FindPatch(window, span, first, first + kAvx2Pixels - 1, 16, &patch)) {
-    for (int i = first; i < first + kAvx2Pixels; ++i) {
-      DrawPixel(window, span.U(i), span.V(i), rgb + 3 * i);
-    }
-    return;
-  }
-  Prefetch(window, patch);
+                                                                    const WarpSpan& span,
+                                                                    const WarpPatch& patch,
+                                                                    int first, std::uint16_t* rgb) {
   EightPixels eight = Begin(EightPlaces(patch.column * 65536, span.u0, span.u1, first),
                             EightPlaces(patch.row * 65536, span.v0, span.v1, first));
   const std::ptrdiff_t stride = 3 * window.width;
@@ -199,18 +153,23 @@ WINDHOVER_AVX2 inline __attribute__((always_inline)) void DrawEight(const MapWin
       AddRow(patch.texels + r * stride, window.width, WeightsOfRow(eight, r), &eight);
     }
   }
-  Put(eight, rgb + 3 * first);
+  Put(eight, rgb);
 }
 
+// A whole row, so that what its pixels have in common is worked out once.
 WINDHOVER_AVX2 void RowAvx2(const MapWindow& window, const WarpedRow& row, std::uint16_t* rgb) {
-  for (int x = 0; x < row.width_px; x += kWarpCell_px) {
-    const Span span = SpanAt(row, x);
-    if (span.count == kWarpCell_px) {
-      DrawEight(window, span, 0, rgb + 3 * x);
-      DrawEight(window, span, kAvx2Pixels, rgb + 3 * x);
-    } else {
+  WarpPatches patches;
+  for (int x = 0, i = 0; x < row.width_px; x += kWarpCell_px, ++i) {
+    if (i % kPatches == 0) FindPatches(row, i, &patches);
+    const WarpSpan span = SpanAt(row, x);
+    if (span.count < kWarpCell_px || !Serves(patches, i % kPatches, 16)) {
       DrawSpan(window, span, rgb + 3 * x);
+      continue;
     }
+    const WarpPatch patch = PatchAt(window, patches, i % kPatches);
+    Prefetch(window, patch);
+    DrawEight(window, span, patch, 0, rgb + 3 * x);
+    DrawEight(window, span, patch, kAvx2Pixels, rgb + 3 * (x + kAvx2Pixels));
   }
 }
 
@@ -290,10 +249,9 @@ WINDHOVER_AVX512 inline __attribute__((always_inline)) void Put(const SixteenPix
 }
 
 WINDHOVER_AVX512 inline __attribute__((always_inline)) void DrawSixteen(const MapWindow& window,
-                                                                        const Span& span,
-                                                                        const Patch& patch,
+                                                                        const WarpSpan& span,
+                                                                        const WarpPatch& patch,
                                                                         std::uint16_t* rgb) {
-  Prefetch(window, patch);
   SixteenPixels sixteen = Begin(SixteenPlaces(patch.column * 65536, span.u0, span.u1),
                                 SixteenPlaces(patch.row * 65536, span.v0, span.v1));
   const std::ptrdiff_t stride = 3 * window.width;
@@ -308,16 +266,18 @@ WINDHOVER_AVX512 inline __attribute__((always_inline)) void DrawSixteen(const Ma
   Put(sixteen, rgb);
 }
 
-// A whole row, so that what its pixels have in common is worked out once.
 WINDHOVER_AVX512 void RowAvx512(const MapWindow& window, const WarpedRow& row, std::uint16_t* rgb) {
-  Patch patch;
-  for (int x = 0; x < row.width_px; x += kWarpCell_px) {
-    const Span span = SpanAt(row, x);
-    if (span.count == kWarpCell_px && FindPatch(window, span, 0, kWarpCell_px - 1, 31, &patch)) {
-      DrawSixteen(window, span, patch, rgb + 3 * x);
-    } else {
+  WarpPatches patches;
+  for (int x = 0, i = 0; x < row.width_px; x += kWarpCell_px, ++i) {
+    if (i % kPatches == 0) FindPatches(row, i, &patches);
+    const WarpSpan span = SpanAt(row, x);
+    if (span.count < kWarpCell_px || !Serves(patches, i % kPatches, 31)) {
       DrawSpan(window, span, rgb + 3 * x);
+      continue;
     }
+    const WarpPatch patch = PatchAt(window, patches, i % kPatches);
+    Prefetch(window, patch);
+    DrawSixteen(window, span, patch, rgb + 3 * x);
   }
 }
 
