@@ -37,7 +37,9 @@ void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
   if (y < roi.y0 || y >= roi.y0 + roi.height) return;
   const auto* pixel = layer.pixels.data() + static_cast<std::ptrdiff_t>(y - roi.y0) * roi.width;
   std::uint16_t* out = row + roi.x0 * 3;
+  constexpr std::array<std::uint16_t, 4> kNothing{};
   for (int x = 0; x < roi.width; ++x, ++pixel, out += 3) {
+    if (*pixel == kNothing) continue;
     const std::uint32_t through = 65535u - (*pixel)[3];
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t light = (*pixel)[c] + (out[c] * through + 32767u) / 65535u;

@@ -142,10 +142,19 @@ WINDHOVER_AVX512 void AddNoiseAvx512(Generators* generators, const LightNoise& n
     h = Stepped(h);
     g = Stepped(g);
     const WideSums sums = SumsOf(h, g);
-    for (int p = 0; p < 4 && i + p * kLanes < count; ++p) {
-      std::uint16_t* const at = light + i + p * kLanes;
-      const int rest = std::min(count - i - p * kLanes, kLanes);
-      const auto present = static_cast<__mmask16>((1u << rest) - 1);
+    const int rest = std::min(count - i, kBlock);
+    std::uint16_t* at = light + i;
+    if (rest == kBlock) {
+      for (int p = 0; p < 4; ++p, at += kLanes) {
+        const __m512i value = _mm512_cvtepu16_epi32(_mm256_loadu_epi16(at));
+        const __m512i noisy = Noisy(value, sums.of_pattern[p], per_light, of_read);
+        _mm256_storeu_epi16(at, _mm512_cvtusepi32_epi16(noisy));
+      }
+      continue;
+    }
+    for (int p = 0; p < 4; ++p, at += kLanes) {
+      const int n = std::clamp(rest - p * kLanes, 0, kLanes);
+      const auto present = static_cast<__mmask16>((1u << n) - 1);
       const __m512i value = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(present, at));
       const __m512i noisy = Noisy(value, sums.of_pattern[p], per_light, of_read);
       _mm256_mask_storeu_epi16(at, present, _mm512_cvtusepi32_epi16(noisy));

@@ -100,9 +100,7 @@ __attribute__((target("avx512f,avx512bw,avx512vl"))) void TransferFunction::Appl
     low[power] = _mm512_loadu_ps(coefficients_[power].data());
     high[power] = _mm512_loadu_ps(coefficients_[power].data() + 16);
   }
-  for (int i = 0; i < count; i += 16) {
-    const auto present = static_cast<__mmask16>(count - i < 16 ? (1 << (count - i)) - 1 : 0xffff);
-    const __m256i light = _mm256_maskz_loadu_epi16(present, linear + i);
+  const auto byte_of = [&](__m256i light) __attribute__((target("avx512f,avx512bw,avx512vl"))) {
     const __m512i step = _mm512_cvtepu16_epi32(_mm256_srli_epi16(light, kStepShift));
     const __m512 x = _mm512_add_ps(_mm512_cvtepi32_ps(step), _mm512_set1_ps(0.5f));
     const __m512i piece = _mm512_srli_epi32(_mm512_castps_si512(x), kPieceShift);
@@ -111,8 +109,15 @@ __attribute__((target("avx512f,avx512bw,avx512vl"))) void TransferFunction::Appl
       y = _mm512_add_ps(_mm512_permutex2var_ps(low[power], piece, high[power]),
                         _mm512_mul_ps(x, y));
     }
-    _mm_mask_storeu_epi8(bytes + i, present, _mm512_cvtepi32_epi8(_mm512_cvttps_epi32(y)));
+    return _mm512_cvtepi32_epi8(_mm512_cvttps_epi32(y));
+  };
+  int i = 0;
+  for (; i + 16 <= count; i += 16) {
+    _mm_storeu_epi8(bytes + i, byte_of(_mm256_loadu_epi16(linear + i)));
   }
+  if (i == count) return;
+  const auto present = static_cast<__mmask16>((1u << (count - i)) - 1);
+  _mm_mask_storeu_epi8(bytes + i, present, byte_of(_mm256_maskz_loadu_epi16(present, linear + i)));
 }
 
 void TransferFunction::Apply(const std::uint16_t* linear, int count, std::uint8_t* bytes,
