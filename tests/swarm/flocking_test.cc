@@ -220,7 +220,8 @@ range_t Sight(const Flyer& own, const Flyer& other, const AircraftConfig& config
 // The whole controller: from 12 m, turned away by 20 degrees, to √7 m, face to face.
 TEST(FlockController, PairSettlesAndFacesEachOther) {
   AircraftConfig config;
-  config.estimator = {.methods = {"baseline"}, .in_loop = "baseline"};
+  config.estimator.methods = {"baseline"};
+  config.estimator.in_loop = "baseline";
   Flyer a, b;
   a.nav.qw = 1;
   b.nav.p_WB_m[0] = 12;
@@ -241,7 +242,8 @@ TEST(FlockController, PairSettlesAndFacesEachOther) {
 // A second without sight it flies on where it believed the other to be; then it looks around.
 TEST(FlockController, RemembersForASecondThenLooksAround) {
   AircraftConfig config;
-  config.estimator = {.methods = {"baseline"}, .in_loop = "baseline"};
+  config.estimator.methods = {"baseline"};
+  config.estimator.in_loop = "baseline";
   Flyer own, other;
   own.nav.qw = 1;
   other.nav.p_WB_m[0] = 12;
