@@ -23,7 +23,8 @@ constexpr const char* kScoredNames[] = {"val", "test"};
 /// Sums over a flight's frames; a share or mean is its sum by its count.
 struct Tally {
   BlockSum abs_rel, sq_rel, near, far, under, detected;
-  std::map<int, std::array<BlockSum, 2>> bins;  ///< By distance: relative error, distance told.
+  std::map<int, std::array<BlockSum, 3>>
+      bins;  ///< By distance: relative error, distance told, reference.
 
   void Add(double reference_m, double range_m) {
     const double error_m = range_m - reference_m, relative = std::abs(error_m) / reference_m;
@@ -38,6 +39,7 @@ struct Tally {
     auto& bin = bins[static_cast<int>(reference_m / kDistanceBin_m)];
     add(&bin[0], relative);
     add(&bin[1], range_m);
+    add(&bin[2], reference_m);
   }
 };
 
@@ -82,7 +84,7 @@ void AddQuantity(const Quantity& quantity, const std::vector<Tally>& flights, in
 }
 
 Json ByDistance(const std::vector<Tally>& flights) {
-  std::map<int, std::array<BlockSum, 2>> bins;
+  std::map<int, std::array<BlockSum, 3>> bins;
   for (const Tally& flight : flights) {
     for (const auto& [bin, sums] : flight.bins) {
       for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -97,7 +99,8 @@ Json ByDistance(const std::vector<Tally>& flights) {
                     {"to_m", (bin + 1) * kDistanceBin_m},
                     {"n", sums[0].count},
                     {"abs_rel", sums[0].sum / sums[0].count},
-                    {"range_m", sums[1].sum / sums[1].count}});
+                    {"range_m", sums[1].sum / sums[1].count},
+                    {"mean_reference_m", sums[2].sum / sums[2].count}});
   }
   return json;
 }

@@ -124,17 +124,16 @@ std::string ChartsHtml(const Json& table) {
                       .points = {}};
     ChartSeries range = error;
     for (const Json& bin : row["by_distance"]) {
-      const double middle_m = (bin["from_m"].get<double>() + bin["to_m"].get<double>()) / 2;
-      error.points.push_back({middle_m, bin["abs_rel"].get<double>()});
-      range.points.push_back({middle_m, bin["range_m"].get<double>()});
+      const double mean_m = bin["mean_reference_m"].get<double>();
+      error.points.push_back({mean_m, bin["abs_rel"].get<double>()});
+      range.points.push_back({mean_m, bin["range_m"].get<double>()});
     }
     errors.series.push_back(std::move(error));
     ranges.series.push_back(std::move(range));
   }
   std::string html;
   for (const Chart& chart : {errors, ranges}) {
-    html += fmt::format("<figure><figcaption>{}</figcaption>{}</figure>\n", XmlEscaped(chart.title),
-                        ChartSvg(chart));
+    html += fmt::format("<figure>{}</figure>\n", ChartSvg(chart));
   }
   return html;
 }
