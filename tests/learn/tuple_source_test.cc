@@ -24,8 +24,8 @@ Scenario Base(const std::string& preset, std::vector<std::string> overrides) {
                     "dataset.splits.train.flights=2", "dataset.splits.train.pairs=81",
                     "dataset.splits.val.flights=1", "dataset.splits.val.pairs=20",
                     "dataset.splits.test.flights=1", "dataset.splits.test.pairs=30"});
-  return LoadUndrawnScenario(
-      std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/presets/" + preset + ".yaml", overrides);
+  const std::filesystem::path presets = WINDHOVER_SOURCE_DIR "/scenarios/presets";
+  return LoadUndrawnScenario(presets / (preset + ".yaml"), overrides);
 }
 
 // A run in one process, as its log tells it.
