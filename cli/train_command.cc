@@ -10,6 +10,7 @@
 #include "cli/sha256.h"
 #include "common/process/process.h"
 #include "learn/audit.h"
+#include "learn/pcm_onnx.h"
 #include "learn/train_card.h"
 #include "learn/tuple_file.h"
 #include "learn/tuple_source.h"
@@ -94,7 +95,19 @@ CardPlan PlanOf(const Options& options) {
   return plan;
 }
 
-void Write(const Options& options, const TrainedCard& trained) {
+// The card names the models by what their names add to its own: it does not know where it is.
+void WriteModels(const Options& options, CorrectionCard* card) {
+  auto& named = card->provenance["onnx"];
+  for (const NamedModel& network : PcmOnnx(*card->pcm)) {
+    const std::string extension = network.name + ".onnx";
+    const fs::path file = fs::path(options.out).replace_extension(extension);
+    ReplaceFile(file, network.model);
+    named[extension] = Sha256OfFile(file);
+  }
+}
+
+void Write(const Options& options, TrainedCard trained) {
+  WriteModels(options, &trained.card);
   ReplaceFile(options.out, CorrectionCardText(trained.card));
   fs::path curve = options.out;
   ReplaceFile(curve.replace_extension(".svg"), CurveSvg(trained.curve));
@@ -183,7 +196,7 @@ void AddTrainCommand(CLI::App& app, CommandAction* chosen) {
       "pcm", "position corrections (PCM, DIC) and a joint MLP, into one card");
   AddDataOptions(pcm, options.get());
   AddRecipeOptions(pcm, options.get());
-  pcm->add_option("--out", options->out, "card to write (.json); its curve goes beside it")
+  pcm->add_option("--out", options->out, "card to write (.json); curve and ONNX files go beside it")
       ->required();
   pcm->add_flag("--resume", options->resume, "go on with an interrupted training");
   pcm->add_flag("--audit", options->audit, "instead, say what a correction learns here (text)")

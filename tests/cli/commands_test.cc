@@ -91,6 +91,12 @@ TEST(WindhoverTrain, OneSeedIsOneCardThatScenariosTake) {
   const std::string card = train("a.json");
   EXPECT_EQ(train("b.json"), card);
   EXPECT_THAT(TextOf(folder.path() / "a.svg"), StartsWith("<svg"));
+  for (const std::string network : {"offset0", "gate0", "offset1"}) {
+    const std::string file = folder.path() / ("a." + network + ".onnx");
+    Program sum({"sha256sum", file});
+    ASSERT_EQ(sum.Wait(), 0) << sum.Err();
+    EXPECT_THAT(card, HasSubstr("\"" + network + ".onnx\": \"" + sum.Out().substr(0, 64) + "\""));
+  }
 
   const auto check = [&](const std::string& text) {
     folder.Write("card.json", text);
