@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/reproduce.h"
+#include "cli/reproduce_learned.h"
 #include "eval/report_style.h"
 #include "eval/svg_chart.h"
 #include "eval/text_file.h"
@@ -163,6 +163,7 @@ std::string ResourcesHtml(const Json& table) {
 std::string ReproducedText(const Json& table) {
   std::string text = fmt::format("{}: {}\n", table["table"].get<std::string>(),
                                  table["meaning"].get<std::string>());
+  if (table["table"] == "pretraining") return text + PretrainingText(table);
   if (table["table"] == "resources") {
     for (const Json& row : table["rows"]) {
       text += fmt::format("{:<34}", row["method"].get<std::string>());
@@ -192,7 +193,8 @@ std::string ReproducedText(const Json& table) {
       text += fmt::format(" {:>20}", cell);
     }
   }
-  return text + "\n";
+  text += "\n";
+  return table.contains("learned") ? text + LearnedAuditsText(table) : text;
 }
 
 std::string ReproducedPage(const std::vector<Json>& tables) {
@@ -206,7 +208,10 @@ std::string ReproducedPage(const std::vector<Json>& tables) {
     const std::string name = table["table"].get<std::string>();
     html += fmt::format("<section><h2>{}</h2><p class=\"note\">{}</p>\n", XmlEscaped(name),
                         XmlEscaped(table["meaning"].get<std::string>()));
-    html += name == "resources" ? ResourcesHtml(table) : ScoresHtml(table);
+    html += name == "resources"     ? ResourcesHtml(table)
+            : name == "pretraining" ? PretrainingHtml(table)
+                                    : ScoresHtml(table);
+    if (table.contains("learned")) html += LearnedAuditsHtml(table);
     if (name == "hard_samples") html += ChartsHtml(table);
     html += "</section>\n";
   }

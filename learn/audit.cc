@@ -35,25 +35,6 @@ const std::vector<std::string> kNothingButMisalignment = {"rig.misalignment.rand
                                                           "geometric.gross_rate=0",
                                                           "score.reference=range"};
 
-double Baseline(const Samples& samples, float offset) {
-  std::vector<RangedSample> ranged;
-  for (const PcmSample& s : samples) {
-    ranged.push_back({s.boxes.Range_m(s.boxes.Disparity() - offset), s.label_m, 0});
-  }
-  return Score(ranged).abs_rel;
-}
-
-/// Median of what disparities are too large.
-float Offset1(const Samples& samples) {
-  std::vector<float> offsets;
-  for (const PcmSample& s : samples) {
-    offsets.push_back(s.boxes.Disparity() - s.boxes.range_m / s.label_m);
-  }
-  const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-  std::nth_element(offsets.begin(), middle, offsets.end());
-  return *middle;
-}
-
 PcmStages Trained(const Data& data, const PcmRecipe& recipe) {
   PcmTrainer trainer(data.train, data.val, recipe);
   while (!trainer.finished() && trainer.Advance()) {
@@ -62,7 +43,8 @@ PcmStages Trained(const Data& data, const PcmRecipe& recipe) {
 }
 
 AuditFinding Ask(const std::string& question, const Data& data, const PcmStages& pcm) {
-  return {question, Baseline(data.test, 0), Baseline(data.test, Offset1(data.train)),
+  return {question, ScoreOffset(data.test, 0).abs_rel,
+          ScoreOffset(data.test, MedianOffset(data.train)).abs_rel,
           ScorePcm(pcm, FurtherStages::kNone, data.test).abs_rel, ""};
 }
 
@@ -102,6 +84,24 @@ std::string Elsewhere(const char* what, double whole, const AuditFinding& found)
 }
 
 }  // namespace
+
+float MedianOffset(const std::vector<PcmSample>& samples) {
+  std::vector<float> offsets;
+  for (const PcmSample& s : samples) {
+    offsets.push_back(s.boxes.Disparity() - s.boxes.range_m / s.label_m);
+  }
+  const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
+  std::nth_element(offsets.begin(), middle, offsets.end());
+  return *middle;
+}
+
+PcmScore ScoreOffset(const std::vector<PcmSample>& samples, float offset) {
+  std::vector<RangedSample> ranged;
+  for (const PcmSample& s : samples) {
+    ranged.push_back({s.boxes.Range_m(s.boxes.Disparity() - offset), s.label_m, 0});
+  }
+  return Score(ranged);
+}
 
 std::vector<AuditFinding> Audit(const StereoRig& rig, const PcmRecipe& one,
                                 const DrawAudited& draw) {

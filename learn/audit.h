@@ -26,6 +26,13 @@ using DrawAudited = std::function<TupleSplits(const std::vector<std::string>& ov
 std::vector<AuditFinding> Audit(const StereoRig& rig, const PcmRecipe& recipe,
                                 const DrawAudited& draw);
 
+/// Median over samples of what disparities are too large, in image widths.
+/// @pre there are samples.
+float MedianOffset(const std::vector<PcmSample>& samples);
+
+/// Scores of triangulation with `offset` taken from disparities.
+PcmScore ScoreOffset(const std::vector<PcmSample>& samples, float offset);
+
 /// The findings for a terminal.
 std::string AuditText(const std::vector<AuditFinding>& findings);
 

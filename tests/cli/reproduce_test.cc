@@ -1,11 +1,10 @@
 // The presets make the paper's failure, and nothing but the offset does: flights split as the
 // paper's, scored as runs of them would be (tests/learn/tuple_source_test.cc).
 
-#include "cli/reproduce.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cli/reproduce_learned.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
@@ -120,6 +119,58 @@ TEST(Reproduce, LearnedRowsLearnFromTheTrainingSplit) {
   EXPECT_LT(one["rows"][1]["test"]["abs_rel"].get<double>(),
             0.6 * one["rows"][0]["test"]["abs_rel"].get<double>());
   EXPECT_EQ(one, made(2));
+}
+
+// Plain triangulation and one offset need no training: behind 55 px and a vergence of 2.8 px, what
+// triangulation says is a third to a half short, and ten tuples are enough to know one offset.
+TEST(Reproduce, PretrainingIsComparedByTuplesOfTheNewRig) {
+  const auto made = [](int threads) {
+    PretrainingPlan plan = PretrainingOf(Effort::kQuick, kScenarios);
+    for (Scenario* base : {&plan.sources[0], &plan.sources[1], &plan.unseen}) {
+      base->dataset.splits.train = {.flights = 2, .pairs = 60};
+      base->dataset.splits.val = {.flights = 1, .pairs = 20};
+      base->dataset.splits.test = {.flights = 1, .pairs = 60};
+    }
+    plan.recipe.epochs = 20;
+    plan.n_tuples = {0, 10, 40};
+    return ReproducePretraining(
+        plan, {.n_seeds = 2, .n_training_seeds = 1, .threads = threads, .scenarios = kScenarios});
+  };
+  const Json table = made(1);
+  ASSERT_EQ(table["rows"].size(), 3U);
+  const auto mean = [&](std::size_t row, const char* key) {
+    return table["rows"][row][key]["mean"].get<double>();
+  };
+  EXPECT_EQ(table["rows"][1]["n_tuples"], 10);
+  EXPECT_EQ(mean(0, "scratch"), mean(0, "offset1"));
+  EXPECT_GT(mean(0, "scratch"), 0.25);
+  EXPECT_LT(mean(1, "offset1"), 0.7 * mean(0, "offset1"));
+  EXPECT_NE(mean(0, "pretrained_uavde_12mm"), mean(0, "pretrained_pretrain"));
+  EXPECT_NE(mean(1, "pretrained_uavde_12mm"), mean(2, "pretrained_uavde_12mm"));
+  EXPECT_NEAR(mean(2, "gain_pretrain"), mean(2, "scratch") - mean(2, "pretrained_pretrain"), 1e-12);
+  EXPECT_EQ(table["rows"][2]["scratch"]["ci95"].size(), 2U);
+  EXPECT_EQ(table, made(2));
+  const std::string page = ReproducedPage({table});
+  EXPECT_THAT(page, HasSubstr("<td class=\"text\">40 tuples</td>"));
+  EXPECT_THAT(page, HasSubstr("<svg"));
+  EXPECT_THAT(ReproducedText(table), HasSubstr("10 tuples"));
+}
+
+TEST(Reproduce, AuditsSayWhatACorrectionLearned) {
+  PcmRecipe recipe = StableRecipe();
+  recipe.epochs = 3;
+  const ReproduceOptions options{.threads = 2, .scenarios = kScenarios};
+  Json audits = {{"table", "audits"}, {"meaning", ""}, {"rows", Json::array()}}, again = audits;
+  AddLearnedAudits(recipe, options, &audits);
+  ASSERT_EQ(audits["learned"].size(), 6U);
+  const Json& still = audits["learned"][5];
+  EXPECT_EQ(still["question"], "misalignment alone");
+  EXPECT_LT(still["offset1"].get<double>(), 0.1 * still["baseline"].get<double>());
+  EXPECT_EQ(still["verdict"], "one constant offset does at least as well");
+  AddLearnedAudits(recipe, options, &again);
+  EXPECT_EQ(audits, again);
+  EXPECT_THAT(ReproducedPage({audits}), HasSubstr("one constant offset does at least as well"));
+  EXPECT_THAT(ReproducedText(audits), HasSubstr("sizes of other boxes"));
 }
 
 TEST(ReproducedPage, SaysWhatIsMissingAndWhatDiffers) {
