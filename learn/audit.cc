@@ -37,8 +37,7 @@ const std::vector<std::string> kNothingButMisalignment = {"rig.misalignment.rand
 
 PcmStages Trained(const Data& data, const PcmRecipe& recipe) {
   PcmTrainer trainer(data.train, data.val, recipe);
-  while (!trainer.finished() && trainer.Advance()) {
-  }
+  trainer.Finish();
   return trainer.Best();
 }
 

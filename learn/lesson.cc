@@ -8,24 +8,12 @@
 #include <fmt/format.h>
 
 #include "learn/fit_priors.h"
+#include "learn/train_card.h"
 #include "learn/train_joint_mlp.h"
 #include "learn/tuple_source.h"
 #include "render/parallel_for.h"
 
 namespace windhover {
-namespace {
-
-std::vector<PcmSample> SamplesOf(const std::vector<StereoTuple>& tuples, const StereoRig& rig) {
-  std::vector<PcmSample> samples;
-  for (const StereoTuple& tuple : tuples) {
-    const auto boxes = MakeCorrectable(rig, tuple.box);
-    if (boxes) samples.push_back({*boxes, static_cast<float>(tuple.range_m)});
-  }
-  return samples;
-}
-
-}  // namespace
-
 CorrectionCard Learn(const Lesson& lesson, const TupleSplits& tuples, const StereoRig& rig,
                      std::uint64_t seed) {
   const std::vector<PcmSample> train = SamplesOf(tuples.train, rig);
@@ -34,8 +22,7 @@ CorrectionCard Learn(const Lesson& lesson, const TupleSplits& tuples, const Ster
   recipe.seed = seed;
   PcmTrainer trainer(train, val, recipe);
   // What a training that diverges had found counts.
-  while (!trainer.finished() && trainer.Advance()) {
-  }
+  trainer.Finish();
   CorrectionCard card;
   card.pcm = trainer.Best();
   if (lesson.everything) {

@@ -44,8 +44,7 @@ PcmStages Trained(const Samples& train, const Samples& val, const PcmRecipe& rec
                   const std::optional<PcmStages>& start) {
   PcmTrainer trainer(train, val, recipe, start);
   const PcmStages before = trainer.Best();
-  while (!trainer.finished() && trainer.Advance()) {
-  }
+  trainer.Finish();
   const PcmStages after = trainer.Best();
   return AbsRel(after, val) < AbsRel(before, val) ? after : before;
 }

@@ -400,6 +400,10 @@ PcmTrainer::PcmTrainer(std::vector<PcmSample> train, std::vector<PcmSample> val,
 PcmTrainer::PcmTrainer(PcmTrainer&& other) noexcept = default;
 PcmTrainer::~PcmTrainer() = default;
 bool PcmTrainer::Advance() { return impl_->Advance(); }
+void PcmTrainer::Finish() {
+  while (!finished() && Advance()) {
+  }
+}
 int PcmTrainer::epochs_done() const { return impl_->epoch(); }
 bool PcmTrainer::finished() const { return impl_->epoch() >= impl_->recipe().epochs; }
 const std::vector<PcmCurvePoint>& PcmTrainer::curve() const { return impl_->curve(); }

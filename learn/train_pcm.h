@@ -72,6 +72,8 @@ class PcmTrainer {
   /// One epoch. @return false if a loss was not finite: training has diverged, and only what was
   /// best so far counts.
   bool Advance();
+  /// All epochs that are left, or until training diverges.
+  void Finish();
 
   int epochs_done() const;
   bool finished() const;
