@@ -81,48 +81,82 @@ WarpGrid MakeWarpGrid(const RayGrid& grid, const std::vector<Eigen::Matrix3d>& R
   return warp;
 }
 
-BackgroundWarp::BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const RadianceMap& map,
-                               const MapWindow& window)
-    : grid_(grid), warp_(warp), map_(map), window_(window) {
-  if (warp.u_min < window.u0 || warp.u_max > window.u0 + window.width - 2 ||
-      warp.v_min < window.v0 || warp.v_max > window.v0 + window.height - 2) {
+BackgroundWarp::BackgroundWarp(const RayGrid& grid, std::span<const WarpGrid> warps,
+                               const RadianceMap& map, const MapWindow& window)
+    : grid_(grid), warps_(warps), map_(map), window_(window) {
+  if (warps.empty() || warps.size() > kMaxWarpMoments) {
+    throw std::logic_error("BackgroundWarp: too many moments, or none");
+  }
+  std::uint32_t so_far = 0;
+  for (const WarpGrid& warp : warps) {
+    // What rounding takes from one moment it gives to the next.
+    const std::uint32_t before = so_far * kWholeShare / 65536;
+    so_far += warp.share;
+    shares_.push_back(static_cast<std::int32_t>(so_far * kWholeShare / 65536 - before));
+    Add(warp);
+  }
+}
+
+void BackgroundWarp::Add(const WarpGrid& warp) {
+  if (warp.u_min < window_.u0 || warp.u_max > window_.u0 + window_.width - 2 ||
+      warp.v_min < window_.v0 || warp.v_max > window_.v0 + window_.height - 2) {
     throw std::logic_error("BackgroundWarp: the window does not cover the view");
   }
+  near_pole_ = near_pole_ || warp.near_pole;
   for (const Eigen::Vector2d& place : warp.places) {
-    u_.push_back(ToFixed(place.x() - window.u0));
-    v_.push_back(ToFixed(place.y() - window.v0));
+    u_.push_back(ToFixed(place.x() - window_.u0));
+    v_.push_back(ToFixed(place.y() - window_.v0));
   }
 }
 
 void BackgroundWarp::Row(int y, std::uint16_t* rgb) const {
-  if (warp_.near_pole) {
+  if (near_pole_) {
     ExactRow(y, rgb);
     return;
   }
-  const auto columns = static_cast<std::size_t>(grid_.columns);
-  const std::size_t above = static_cast<std::size_t>(y / kRayCell_px) * columns;
+  const auto columns = static_cast<std::size_t>(grid_.columns), n = warps_.size();
   const int t = y % kRayCell_px;
-  std::vector<std::int32_t> u(columns), v(columns);
-  FillBetween(u_.data() + above, u_.data() + above + columns, t, columns, u.data());
-  FillBetween(v_.data() + above, v_.data() + above + columns, t, columns, v.data());
-  WarpRow(window_, {u.data(), v.data(), grid_.width_px}, rgb);
+  std::vector<std::int32_t> places(2 * n * columns);
+  std::array<WarpedRow, kMaxWarpMoments> moments;
+  for (std::size_t m = 0; m < n; ++m) {
+    std::int32_t *u = places.data() + 2 * m * columns, *v = u + columns;
+    const std::size_t above =
+        (m * static_cast<std::size_t>(grid_.rows) + static_cast<std::size_t>(y / kRayCell_px)) *
+        columns;
+    FillBetween(u_.data() + above, u_.data() + above + columns, t, columns, u);
+    FillBetween(v_.data() + above, v_.data() + above + columns, t, columns, v);
+    moments[m] = {u, v, grid_.width_px, shares_[m]};
+  }
+  WarpMeanRow(window_, {moments.data(), n}, rgb);
+}
+
+// Between rows of nodes the camera turns evenly.
+Eigen::Vector2d BackgroundWarp::ExactPlace(const WarpGrid& warp, int y,
+                                           const Eigen::Vector3d& ray_C) const {
+  const bool is_one = warp.R_WC.size() == 1;
+  const auto j = static_cast<std::size_t>(is_one ? 0 : y / kRayCell_px);
+  const double way = is_one ? 0 : y % kRayCell_px * (1.0 / kRayCell_px);
+  Eigen::Matrix3d R_WC = warp.R_WC[j];
+  if (way > 0) R_WC = (1 - way) * R_WC + way * warp.R_WC[j + 1];
+  const Eigen::Vector3d d_W = R_WC * ray_C;
+  Eigen::Vector2d place = map_.PlaceOf(d_W, warp.chart);
+  const double u_near = (warp.u_min + warp.u_max) / 2;
+  place.x() -= std::round((place.x() - u_near) / map_.Width()) * map_.Width();
+  return place - Eigen::Vector2d(window_.u0, window_.v0);
 }
 
 void BackgroundWarp::ExactRow(int y, std::uint16_t* rgb) const {
-  // Between rows of nodes the camera turns evenly.
-  const bool is_one = warp_.R_WC.size() == 1;
-  const auto j = static_cast<std::size_t>(is_one ? 0 : y / kRayCell_px);
-  const double way = is_one ? 0 : y % kRayCell_px * (1.0 / kRayCell_px);
-  Eigen::Matrix3d R_WC = warp_.R_WC[j];
-  if (way > 0) R_WC = (1 - way) * R_WC + way * warp_.R_WC[j + 1];
+  std::array<std::array<std::int32_t, 2>, kMaxWarpMoments> u{}, v{};
+  std::array<WarpedRow, kMaxWarpMoments> moments;
   for (int x = 0; x < grid_.width_px; ++x) {
-    const Eigen::Vector3d d_W = R_WC * RayOf(grid_.camera, {x, y});
-    Eigen::Vector2d place = map_.PlaceOf(d_W, warp_.chart);
-    const double u_near = (warp_.u_min + warp_.u_max) / 2;
-    place.x() -= std::round((place.x() - u_near) / map_.Width()) * map_.Width();
-    const std::array u = {ToFixed(place.x() - window_.u0), 0};
-    const std::array v = {ToFixed(place.y() - window_.v0), 0};
-    WarpRow(window_, {u.data(), v.data(), 1}, rgb + x * 3);
+    const Eigen::Vector3d ray_C = RayOf(grid_.camera, {x, y});
+    for (std::size_t m = 0; m < warps_.size(); ++m) {
+      const Eigen::Vector2d place = ExactPlace(warps_[m], y, ray_C);
+      u[m] = {ToFixed(place.x()), 0};
+      v[m] = {ToFixed(place.y()), 0};
+      moments[m] = {u[m].data(), v[m].data(), 1, shares_[m]};
+    }
+    WarpMeanRow(window_, {moments.data(), warps_.size()}, rgb + x * 3);
   }
 }
 

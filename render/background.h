@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,6 +33,7 @@ struct WarpGrid {
   bool near_pole;                       ///< So near that interpolating places is not allowed.
   std::vector<Eigen::Matrix3d> R_WC;    ///< Of each row of nodes, or one for all.
   Chart chart;
+  std::uint32_t share = 65536;  ///< Of the mean over the exposure, in 65536ths.
 };
 
 /// `R_WC`: one orientation, or one for each row of the grid's nodes (a rolling shutter).
@@ -42,21 +44,26 @@ WarpGrid MakeWarpGrid(const RayGrid& grid, const std::vector<Eigen::Matrix3d>& R
 /// Draws the surroundings as a camera sees them, row by row.
 class BackgroundWarp {
  public:
-  /// `window` must cover the places of `warp`; all must outlive this.
-  BackgroundWarp(const RayGrid& grid, const WarpGrid& warp, const RadianceMap& map,
+  /// `warps`: 1 to kMaxWarpMoments moments of an exposure, of which rows are the weighted mean;
+  /// their shares sum to 1. `window` must cover the places of all; all must outlive this.
+  BackgroundWarp(const RayGrid& grid, std::span<const WarpGrid> warps, const RadianceMap& map,
                  const MapWindow& window);
 
   /// Writes the linear light of row `y`: 3 · width values, and up to kRowMargin more.
   void Row(int y, std::uint16_t* rgb) const;
 
  private:
+  void Add(const WarpGrid& warp);
   void ExactRow(int y, std::uint16_t* rgb) const;
+  Eigen::Vector2d ExactPlace(const WarpGrid& warp, int y, const Eigen::Vector3d& ray_C) const;
 
   const RayGrid& grid_;
-  const WarpGrid& warp_;
+  const std::span<const WarpGrid> warps_;
   const RadianceMap& map_;
   const MapWindow& window_;
-  std::vector<std::int32_t> u_, v_;  ///< Places of the nodes in the window, 1/65536 texels.
+  bool near_pole_ = false;
+  std::vector<std::int32_t> shares_;  ///< Of kWholeShare.
+  std::vector<std::int32_t> u_, v_;   ///< Places of the nodes in the window, 1/65536 texels.
 };
 
 }  // namespace windhover

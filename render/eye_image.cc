@@ -7,25 +7,6 @@
 namespace windhover {
 namespace {
 
-// Shares sum to 65536; each product is cut, so that white loses 1/65536 a share.
-__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void ScaleRow(
-    std::uint16_t share, int count, std::uint16_t* row) {
-  for (int i = 0; i < count; ++i)
-    row[i] = static_cast<std::uint16_t>((std::uint32_t{row[i]} * share) >> 16);
-}
-
-__attribute__((target_clones("default", "avx2", "arch=x86-64-v4"))) void AddScaledRow(
-    const std::uint16_t* values, std::uint16_t share, int count, std::uint16_t* row) {
-  for (int i = 0; i < count; ++i) {
-    row[i] = static_cast<std::uint16_t>(row[i] + ((std::uint32_t{values[i]} * share) >> 16));
-  }
-}
-
-// Of several, none is whole.
-std::uint16_t ShareOf(const BackgroundShare& background) {
-  return static_cast<std::uint16_t>(background.share);
-}
-
 void ShadeRow(const std::uint16_t* shading, int count, std::uint16_t* row) {
   for (int i = 0; i < count; ++i) {
     row[i] = static_cast<std::uint16_t>((std::uint32_t{row[i]} * shading[i / 3] + 32768u) >> 16);
@@ -49,18 +30,6 @@ void BlendRow(const TargetLayer& layer, int y, std::uint16_t* row) {
 }
 
 }  // namespace
-
-void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y,
-                   std::span<std::uint16_t> row, std::span<std::uint16_t> other) {
-  backgrounds[0].warp.Row(y, row.data());
-  if (backgrounds.size() == 1) return;
-  const auto count = static_cast<int>(row.size());
-  ScaleRow(ShareOf(backgrounds[0]), count, row.data());
-  for (const BackgroundShare& background : backgrounds.subspan(1)) {
-    background.warp.Row(y, other.data());
-    AddScaledRow(other.data(), ShareOf(background), count, row.data());
-  }
-}
 
 std::vector<std::uint16_t> ShadingOf(const RayGrid& rays, const OpticsConfig& optics) {
   if (!optics.vignetting) return {};

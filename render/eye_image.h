@@ -13,17 +13,6 @@
 
 namespace windhover {
 
-/// The surroundings at one moment of the exposure, and its share of the mean in 65536ths.
-struct BackgroundShare {
-  BackgroundWarp warp;
-  std::uint32_t share;
-};
-
-/// Weighted mean of the surroundings over the exposure: linear light of row `y` into `row`, 3 ·
-/// width values and kRowMargin more, with another such row to work in.
-void BackgroundRow(std::span<const BackgroundShare> backgrounds, int y,
-                   std::span<std::uint16_t> row, std::span<std::uint16_t> other);
-
 /// Share of its light that each pixel keeps, in 65536ths; empty without vignetting.
 std::vector<std::uint16_t> ShadingOf(const RayGrid& rays, const OpticsConfig& optics);
 

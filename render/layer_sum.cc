@@ -20,6 +20,16 @@ void Store(__m128i value, Sum* sum) {
   _mm_storeu_si128(reinterpret_cast<__m128i*>(sum->data()), value);
 }
 
+// Adds what is between four corners to each of `sums`.
+void AddBoxes(std::span<const Sum> above, std::span<const Sum> below, Sum* sums) {
+  __m128i left = _mm_sub_epi32(Load(below[0]), Load(above[0]));
+  for (std::size_t x = 1; x < above.size(); ++x, ++sums) {
+    const __m128i right = _mm_sub_epi32(Load(below[x]), Load(above[x]));
+    Store(_mm_add_epi32(Load(*sums), _mm_sub_epi32(right, left)), sums);
+    left = right;
+  }
+}
+
 }  // namespace
 
 TargetLayer::Sample TargetLayer::SampleAt(double x_px, double y_px) const {
@@ -61,28 +71,49 @@ LayerSum::LayerSum(const PixelRect& roi, int samples_per_px) {
   layer_.samples.resize(pixels * static_cast<std::size_t>(samples_per_px * samples_per_px));
 }
 
-void LayerSum::Add(const BoxSums& boxes, const SampleShift& shift) {
+// Adds the sums up to the samples `from`, from + step, … to `corners`; nothing is to the left of
+// the first sample, nor anything more to the right of the last.
+void BoxSums::AddCorners(int row, int from, int step, std::span<Sum> corners) const {
+  const Sum* sums = sums_.data() + static_cast<std::ptrdiff_t>(row) * (columns_ + 1);
+  const int n = static_cast<int>(corners.size());
+  const int first = from >= 0 ? 0 : std::min((-from + step - 1) / step, n);
+  const int end = from > columns_ ? first : std::clamp((columns_ - from) / step + 1, first, n);
+  Sum* corner = corners.data() + first;
+  const Sum* sum = sums + from + std::ptrdiff_t{first} * step;
+  for (int x = first; x < end; ++x, ++corner, sum += step) {
+    Store(_mm_add_epi32(Load(*corner), Load(*sum)), corner);
+  }
+  const __m128i all = Load(sums[columns_]);
+  for (int x = end; x < n; ++x, ++corner) Store(_mm_add_epi32(Load(*corner), all), corner);
+}
+
+// Neighbouring boxes share their corners: those of all shifts are summed up before differences are
+// taken, modulo 2^32.
+void LayerSum::Add(const BoxSums& boxes, std::span<const SampleShift> shifts) {
   const int s = layer_.samples_per_px;
-  // Place of the region's first sample among those of the boxes.
-  const int x0 = (layer_.roi.x0 - boxes.shown_.x0) * s - shift.columns;
-  const int y0 = (layer_.roi.y0 - boxes.shown_.y0) * s - shift.rows;
-  const auto first = [s](int at) { return std::max(at >= 0 ? 0 : (-at) / s, 0); };
-  const int y_end = std::min(layer_.roi.height, (boxes.rows_ - y0 + s - 1) / s);
-  const int x_end = std::min(layer_.roi.width, (boxes.columns_ - x0 + s - 1) / s);
-  for (int y = first(y0); y < y_end; ++y) {
-    const auto row = [&](int at) {
-      return boxes.sums_.data() +
-             static_cast<std::ptrdiff_t>(std::clamp(at, 0, boxes.rows_)) * (boxes.columns_ + 1);
-    };
-    const Sum *top = row(y0 + y * s), *bottom = row(y0 + y * s + s);
-    Sum* sum = sums_.data() + static_cast<std::ptrdiff_t>(y) * layer_.roi.width;
-    for (int x = first(x0); x < x_end; ++x) {
-      const int left = std::clamp(x0 + x * s, 0, boxes.columns_);
-      const int right = std::clamp(x0 + x * s + s, 0, boxes.columns_);
-      const __m128i box = _mm_sub_epi32(_mm_sub_epi32(Load(bottom[right]), Load(bottom[left])),
-                                        _mm_sub_epi32(Load(top[right]), Load(top[left])));
-      Store(_mm_add_epi32(Load(sum[x]), box), sum + x);
+  const PixelRect& shown = boxes.shown_;
+  int x_first = layer_.roi.width, y_first = layer_.roi.height, x_end = 0, y_end = 0;
+  // Places of the region's first sample among those of the boxes.
+  const auto x0 = [&](const SampleShift& k) { return (layer_.roi.x0 - shown.x0) * s - k.columns; };
+  const auto y0 = [&](const SampleShift& k) { return (layer_.roi.y0 - shown.y0) * s - k.rows; };
+  for (const SampleShift& shift : shifts) {
+    x_first = std::min(x_first, std::max(-x0(shift) / s, 0));
+    y_first = std::min(y_first, std::max(-y0(shift) / s, 0));
+    x_end = std::max(x_end, std::min(layer_.roi.width, (boxes.columns_ - x0(shift) + s - 1) / s));
+    y_end = std::max(y_end, std::min(layer_.roi.height, (boxes.rows_ - y0(shift) + s - 1) / s));
+  }
+  if (x_end <= x_first) return;
+  const auto n = static_cast<std::size_t>(x_end - x_first);
+  std::vector<Sum> above(n + 1), below(n + 1);
+  for (int y = y_first; y <= y_end; ++y) {
+    std::fill(below.begin(), below.end(), Sum{});
+    for (const SampleShift& shift : shifts) {
+      const int row = std::clamp(y0(shift) + y * s, 0, boxes.rows_);
+      boxes.AddCorners(row, x0(shift) + x_first * s, s, below);
     }
+    if (y > y_first)
+      AddBoxes(above, below, PixelsAt(layer_.roi.x0 + x_first, layer_.roi.y0 + y - 1));
+    std::swap(above, below);
   }
 }
 

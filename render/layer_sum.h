@@ -25,6 +25,9 @@ class BoxSums {
 
  private:
   friend class LayerSum;
+  void AddCorners(int row, int from, int step,
+                  std::span<std::array<std::uint32_t, 4>> corners) const;
+
   PixelRect shown_;
   int columns_ = 0, rows_ = 0;
   /// Of all samples above and to the left, modulo 2^32; (columns + 1) × (rows + 1).
@@ -42,8 +45,8 @@ class LayerSum {
   }
   std::ptrdiff_t Stride() const { return layer_.roi.width; }
 
-  /// Adds samples moved by `shift`, as far as they are in the region then.
-  void Add(const BoxSums& boxes, const SampleShift& shift);
+  /// Adds samples moved by each of `shifts`, as far as they are in the region then.
+  void Add(const BoxSums& boxes, std::span<const SampleShift> shifts);
 
   /// Says what covers the samples in the middle of the exposure.
   void SetCover(const PixelRect& shown, std::span<const TargetLayer::Sample> cover,

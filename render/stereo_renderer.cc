@@ -123,9 +123,9 @@ void StereoRenderer::KeepSurroundings(EyeView* eye, int band) const {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const std::ptrdiff_t count = width_px * 3;
   // What is written beyond a row must not be the next band's.
-  std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + kRowMargin), other(row);
+  std::vector<std::uint16_t> row(static_cast<std::size_t>(count) + kRowMargin);
   for (int y = FirstRowOf(band, height_px); y < FirstRowOf(band + 1, height_px); ++y) {
-    BackgroundRow(eye->backgrounds, y, row, other);
+    eye->background->Row(y, row.data());
     std::copy_n(row.data(), count, eye->linear.data() + y * count);
   }
 }
@@ -154,12 +154,12 @@ void StereoRenderer::SpreadSurroundings() {
 void StereoRenderer::FinishBand(int band, int tick, StereoView* view, RenderedPair* pair) const {
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const std::ptrdiff_t count = width_px * 3;
-  std::vector<std::uint16_t> own_row(static_cast<std::size_t>(count) + kRowMargin), other(own_row);
+  std::vector<std::uint16_t> own_row(static_cast<std::size_t>(count) + kRowMargin);
   const std::array shots = {ShotOf(view->eyes[0], tick), ShotOf(view->eyes[1], tick)};
   for (int y = FirstRowOf(band, height_px); y < FirstRowOf(band + 1, height_px); ++y) {
     for (EyeView& eye : view->eyes) {
       std::uint16_t* row = keeps_surroundings_ ? eye.linear.data() + y * count : own_row.data();
-      if (!keeps_surroundings_) BackgroundRow(eye.backgrounds, y, own_row, other);
+      if (!keeps_surroundings_) eye.background->Row(y, row);
       ComposeRow(eye.layers, eye.shading, sensor_, shots[static_cast<std::size_t>(eye.index)], y,
                  row, eye.index == 0 ? &pair->left : &pair->right);
     }

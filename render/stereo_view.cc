@@ -81,13 +81,7 @@ void StereoView::CoverSurroundings(RadianceMap* map, int threads) {
   const auto low = [](double v) { return static_cast<int>(std::floor(v)) - 1; };
   const auto high = [](double v) { return static_cast<int>(std::ceil(v)) + 2; };
   map->Cover(chart, low(u_min), high(u_max), low(v_min), high(v_max), threads, &window);
-  for (EyeView& eye : eyes) {
-    eye.backgrounds.clear();
-    for (std::size_t n = 0; n < eye.warps.size(); ++n) {
-      eye.backgrounds.push_back(
-          {BackgroundWarp(*eye.rays, eye.warps[n], *map, window), eye.plan.background[n].share});
-    }
-  }
+  for (EyeView& eye : eyes) eye.background.emplace(*eye.rays, eye.warps, *map, window);
 }
 
 void PlanFrame(const Scenario& scenario, const SceneGeometry& geometry, const RadianceMap& map,
@@ -128,6 +122,7 @@ void PlaceRays(const Scenario& scenario, const RadianceMap& map, EyeView* eye) {
   for (const std::vector<Eigen::Matrix3d>& R_WC : eye->R_WC_background) {
     eye->warps.push_back(
         MakeWarpGrid(*eye->rays, R_WC, map, eye->observer->chart, eye->observer->u_near));
+    eye->warps.back().share = eye->plan.background[eye->warps.size() - 1].share;
   }
 }
 

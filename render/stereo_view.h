@@ -31,8 +31,8 @@ struct EyeView {
   std::vector<std::vector<Eigen::Matrix3d>> R_WC_background;  ///< Likewise, of the background.
   std::optional<PointSpread> background_spread;
   std::vector<std::uint16_t> shading;
-  std::vector<WarpGrid> warps;
-  std::vector<BackgroundShare> backgrounds;
+  std::vector<WarpGrid> warps;  ///< One a moment of R_WC_background.
+  std::optional<BackgroundWarp> background;
   std::vector<std::uint16_t> linear;  ///< Linear light of the surroundings, where kept whole.
   std::vector<std::uint16_t> sharp;   ///< The same as a perfect lens shows them.
   std::vector<TargetLayer> layers;    ///< Far to near.

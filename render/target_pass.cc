@@ -145,7 +145,7 @@ void TargetPass::Gather(const TargetDrawing& drawing, Gathering* gathering) {
         continue;
       }
       boxes_.Set(canvas_->Samples(), shown, s);
-      for (const SampleShift& shift : gathering->shifts) gathering->sum.Add(boxes_, shift);
+      gathering->sum.Add(boxes_, gathering->shifts);
     }
   }
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include <immintrin.h>
 
@@ -11,10 +13,9 @@ namespace windhover {
 
 // Inlined into the kernels of warp_kernel.cc, each compiled for its instruction set.
 
-// Up to 16 pixels along a row.
+// Up to 16 pixels along a row, at one moment.
 struct WarpSpan {
   std::int32_t u0, v0, u1, v1;
-  int count;
 
   std::int32_t U(int i) const { return u0 + (((u1 - u0) * i + 8) >> 4); }
   std::int32_t V(int i) const { return v0 + (((v1 - v0) * i + 8) >> 4); }
@@ -22,8 +23,11 @@ struct WarpSpan {
 
 inline WarpSpan SpanAt(const WarpedRow& row, int x) {
   const int i = x / kWarpCell_px;
-  return {row.u[i], row.v[i], row.u[i + 1], row.v[i + 1], std::min(kWarpCell_px, row.width_px - x)};
+  return {row.u[i], row.v[i], row.u[i + 1], row.v[i + 1]};
 }
+
+// Pixels of the span at x.
+inline int CountAt(const WarpedRow& row, int x) { return std::min(kWarpCell_px, row.width_px - x); }
 
 constexpr int kPatches = 64;  // Spans that are prepared at once.
 
@@ -34,13 +38,14 @@ struct WarpPatches {
 
 // Places are in a straight line, so the ends bound them.
 inline __attribute__((always_inline)) void FindPatches(const WarpedRow& row, int first,
-                                                       WarpPatches* patches) {
+                                                       WarpPatches* __restrict patches) {
   const auto last = [](std::int32_t from, std::int32_t to) {
     return from + (((to - from) * (kWarpCell_px - 1) + 8) >> 4);
   };
   const int n_spans = (row.width_px + kWarpCell_px - 1) / kWarpCell_px - first;
   const std::int32_t *u = row.u + first, *v = row.v + first;
-  for (int i = 0; i < n_spans && i < kPatches; ++i) {
+  const int n = std::min(n_spans, kPatches);
+  for (int i = 0; i < n; ++i) {
     const std::int32_t u_last = last(u[i], u[i + 1]), v_last = last(v[i], v[i + 1]);
     const std::int32_t left = (u[i] < u_last ? u[i] : u_last) >> 16;
     const std::int32_t top = (v[i] < v_last ? v[i] : v_last) >> 16;
@@ -49,6 +54,15 @@ inline __attribute__((always_inline)) void FindPatches(const WarpedRow& row, int
     patches->top[i] = top;
     patches->rows[i] = ((v[i] < v_last ? v_last : v[i]) >> 16) - top + 2;
   }
+}
+
+// Of the same spans at several moments.
+using PatchesOfMoments = std::array<WarpPatches, kMaxWarpMoments>;
+
+inline __attribute__((always_inline)) void FindPatches(std::span<const WarpedRow> moments,
+                                                       int first, PatchesOfMoments* patches) {
+  WarpPatches* next = patches->data();
+  for (const WarpedRow& row : moments) FindPatches(row, first, next++);
 }
 
 struct WarpPatch {
@@ -67,6 +81,14 @@ inline __attribute__((always_inline)) WarpPatch PatchAt(const MapWindow& window,
 inline __attribute__((always_inline)) bool Serves(const WarpPatches& patches, int i,
                                                   int n_columns) {
   return patches.columns[i] <= n_columns && patches.rows[i] <= kMaxPatchRows;
+}
+
+inline __attribute__((always_inline)) bool Serve(const PatchesOfMoments& patches,
+                                                 std::size_t n_moments, int i, int n_columns) {
+  for (std::size_t m = 0; m < n_moments; ++m) {
+    if (!Serves(patches[m], i, n_columns)) return false;
+  }
+  return true;
 }
 
 // The row below a patch is what the next rows of the image need; it is far away by then.

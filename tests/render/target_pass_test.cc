@@ -11,6 +11,7 @@
 #include "common/geometry/rotation.h"
 #include "render/aircraft_meshes.h"
 #include "render/annotator.h"
+#include "render/layer_sum.h"
 #include "render/mesh_builder.h"
 #include "render/motion.h"
 
@@ -148,6 +149,41 @@ INSTANTIATE_TEST_SUITE_P(Distances, Silhouette,
                                           testing::Values(5.0, 10.0, 20.0, 40.0)));
 
 // V7.3: propeller tip to propeller tip, seen from ahead, spans f W / Z.
+// Against sums sample by sample, for moves that leave and cross the region.
+TEST(LayerSum, AddsEachSampleToThePixelItMovedTo) {
+  constexpr int kSamples = 3;
+  const PixelRect roi{10, 20, 7, 6}, shown{11, 19, 5, 4};
+  std::vector<TargetCanvas::Pixel> samples(5 * 4 * kSamples * kSamples);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto value = static_cast<std::uint16_t>(65535 - 331 * i);
+    samples[i] = {value, 1, static_cast<std::uint16_t>(i), 65535};
+  }
+  std::vector<SampleShift> shifts;
+  for (int i = -3; i <= 3; ++i) shifts.push_back({5 * i, 2 * i + 1});
+  shifts.push_back({100, -100});
+  BoxSums boxes;
+  boxes.Set(samples, shown, kSamples);
+  LayerSum sum(roi, kSamples);
+  sum.Add(boxes, shifts);
+  std::vector<std::array<std::uint32_t, 4>> expected(7 * 6);
+  for (const SampleShift& shift : shifts) {
+    for (int y = 0; y < 4 * kSamples; ++y) {
+      for (int x = 0; x < 5 * kSamples; ++x) {
+        const int column = (shown.x0 - roi.x0) * kSamples + x + shift.columns;
+        const int row = (shown.y0 - roi.y0) * kSamples + y + shift.rows;
+        if (column < 0 || row < 0 || column >= 7 * kSamples || row >= 6 * kSamples) continue;
+        auto& pixel = expected[static_cast<std::size_t>(row / kSamples * 7 + column / kSamples)];
+        const auto& sample = samples[static_cast<std::size_t>(y * 5 * kSamples + x)];
+        for (std::size_t c = 0; c < 4; ++c) pixel[c] += sample[c];
+      }
+    }
+  }
+  for (int i = 0; i < 7 * 6; ++i) {
+    EXPECT_EQ(*sum.PixelsAt(roi.x0 + i % 7, roi.y0 + i / 7), expected[static_cast<std::size_t>(i)])
+        << i;
+  }
+}
+
 TEST_P(TargetPassTest, WidthIsFocalLengthTimesWidthOverDepth) {
   const PreparedModel model(MakeM200(true), 0.7);
   const auto pass = MakeTargetPass(GetParam(), kMaxBlur_px);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -36,10 +37,43 @@ struct Places {
   std::array<std::int32_t, 6> u, v;
 };
 
+// Of each fourth trial wider than texels, of each third steeper than a row.
+Places RandomPlaces(RandomStream& stream, int trial) {
+  Places places{};
+  const double step = (trial % 4 == 0 ? 1.3 : 0.85) * 16 * 65536;
+  const double slope = trial % 3 == 0 ? stream.Uniform(-0.3, 0.3) : stream.Uniform(-0.03, 0.03);
+  for (std::size_t i = 0; i < places.u.size(); ++i) {
+    const double u = std::min(static_cast<double>(i) * step / 2 + stream.Uniform(0, 9e5),
+                              (kWidth - 1.001) * 65536);
+    places.u[i] = static_cast<std::int32_t>(u);
+    places.v[i] =
+        static_cast<std::int32_t>((kHeight / 2) * 65536 + slope * u + stream.Uniform(0, 65536));
+  }
+  return places;
+}
+
 std::vector<std::uint16_t> Warped(const MapWindow& window, const Places& places,
                                   InstructionSet isa) {
   std::vector<std::uint16_t> rgb(3 * kPixels + kRowMargin);
   WarpRow(window, {places.u.data(), places.v.data(), kPixels}, rgb.data(), isa);
+  rgb.resize(3 * kPixels);
+  return rgb;
+}
+
+// The mean of moments each a little after the other, and how much each weighs.
+constexpr std::array<std::int32_t, kMaxWarpMoments> kShares = {3882, 7842, 9320, 7842, 3881};
+
+std::vector<std::uint16_t> Mean(const MapWindow& window, std::span<const Places> moments,
+                                InstructionSet isa = WidestInstructionSet()) {
+  std::vector<WarpedRow> rows;
+  std::int32_t rest = kWholeShare;
+  for (std::size_t m = 0; m < moments.size(); ++m) {
+    const std::int32_t share = m + 1 < moments.size() ? kShares[m] : rest;
+    rest -= share;
+    rows.push_back({moments[m].u.data(), moments[m].v.data(), kPixels, share});
+  }
+  std::vector<std::uint16_t> rgb(3 * kPixels + kRowMargin);
+  WarpMeanRow(window, rows, rgb.data(), isa);
   rgb.resize(3 * kPixels);
   return rgb;
 }
@@ -82,28 +116,76 @@ TEST(WarpRow, InterpolatesToTwo) {
   }
 }
 
+// A quarter of what is seen first and three quarters of what is seen last: of 1000 and 3000.
+TEST(WarpMeanRow, WeighsMoments) {
+  MapWindow window;
+  window.Resize(3, 2);
+  const std::array<Texel, 3> texels = {Texel{1000, 0, 32767}, Texel{3000, 400, 32767}, Texel{}};
+  window.SetRow(0, texels.data());
+  window.SetRow(1, texels.data());
+  const std::array<std::int32_t, 2> first = {0, 0}, last = {65536, 65536}, v = {0, 0};
+  const std::array<WarpedRow, 2> moments = {WarpedRow{first.data(), v.data(), 1, 8192},
+                                            WarpedRow{last.data(), v.data(), 1, 24575}};
+  std::array<std::uint16_t, 3 + kRowMargin> rgb{};
+  WarpMeanRow(window, moments, rgb.data());
+  EXPECT_NEAR(rgb[0], 2 * 2500, 2);
+  EXPECT_NEAR(rgb[1], 2 * 300, 2);
+  EXPECT_NEAR(rgb[2], 65532, 6);  // A texel of black takes 1/32767 at most a moment.
+}
+
+// Three weights a moment are rounded, by half of 1/32767 of texels that differ by up to white; a
+// moment alone is true to 2, and its share of the mean to 2 more.
+TEST(WarpMeanRow, IsTheMeanOfItsMoments) {
+  const MapWindow window = NoiseWindow();
+  RandomStream stream(4, "warp_kernel_test");
+  for (int trial = 0; trial < 200; ++trial) {
+    std::array<Places, kMaxWarpMoments> moments;
+    std::vector<double> mean(3 * kPixels);
+    for (std::size_t m = 0; m < moments.size(); ++m) {
+      moments[m] = RandomPlaces(stream, trial);
+      const auto alone = Warped(window, moments[m], InstructionSet::kSse2);
+      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += alone[i] * (kShares[m] / 32767.0);
+    }
+    const auto together = Mean(window, moments);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      ASSERT_NEAR(together[i], mean[i], 3 * kMaxWarpMoments + 4) << trial;
+    }
+  }
+}
+
+// Weights sum to the shares exactly, and shares to one.
+TEST(WarpMeanRow, KeepsOneColour) {
+  MapWindow window;
+  window.Resize(kWidth, kHeight);
+  const std::vector<Texel> texels(kWidth, Texel{11111, 32767, 1});
+  for (int v = 0; v < kHeight; ++v) window.SetRow(v, texels.data());
+  RandomStream stream(5, "warp_kernel_test");
+  for (int trial = 0; trial < 100; ++trial) {
+    std::array<Places, kMaxWarpMoments> moments;
+    for (Places& places : moments) places = RandomPlaces(stream, trial);
+    const auto n = static_cast<std::size_t>(2 + trial % 4);
+    ASSERT_EQ(Mean(window, {moments.data(), n}), Warped(window, moments[0], InstructionSet::kSse2));
+  }
+}
+
 // Integers only, so the kernels must agree in every bit: along rows, steeply across them (where the
-// widest kernel gives way), near the window's right edge.
+// widest kernel gives way), near the window's right edge; one moment and means of up to five.
 TEST(WarpRow, GivesTheSameBitsOnEveryInstructionSet) {
   if (WidestInstructionSet() == InstructionSet::kSse2)
     GTEST_SKIP() << "this processor has only SSE2";
   const MapWindow window = NoiseWindow();
   RandomStream stream(2, "warp_kernel_test");
   for (int trial = 0; trial < 2000; ++trial) {
-    Places places{};
-    const double step = (trial % 4 == 0 ? 1.3 : 0.85) * 16 * 65536;
-    const double slope = trial % 3 == 0 ? stream.Uniform(-0.3, 0.3) : stream.Uniform(-0.03, 0.03);
-    for (std::size_t i = 0; i < places.u.size(); ++i) {
-      const double u = std::min(static_cast<double>(i) * step / 2 + stream.Uniform(0, 9e5),
-                                (kWidth - 1.001) * 65536);
-      places.u[i] = static_cast<std::int32_t>(u);
-      places.v[i] =
-          static_cast<std::int32_t>((kHeight / 2) * 65536 + slope * u + stream.Uniform(0, 65536));
-    }
-    const auto narrow = Warped(window, places, InstructionSet::kSse2);
-    ASSERT_EQ(Warped(window, places, InstructionSet::kAvx2), narrow) << trial;
+    std::array<Places, kMaxWarpMoments> moments;
+    for (Places& places : moments) places = RandomPlaces(stream, trial);
+    const std::span<const Places> some{moments.data(), static_cast<std::size_t>(1 + trial % 5)};
+    const auto narrow = Warped(window, moments[0], InstructionSet::kSse2);
+    const auto narrow_mean = Mean(window, some, InstructionSet::kSse2);
+    ASSERT_EQ(Warped(window, moments[0], InstructionSet::kAvx2), narrow) << trial;
+    ASSERT_EQ(Mean(window, some, InstructionSet::kAvx2), narrow_mean) << trial;
     if (WidestInstructionSet() == InstructionSet::kAvx512) {
-      ASSERT_EQ(Warped(window, places, InstructionSet::kAvx512), narrow) << trial;
+      ASSERT_EQ(Warped(window, moments[0], InstructionSet::kAvx512), narrow) << trial;
+      ASSERT_EQ(Mean(window, some, InstructionSet::kAvx512), narrow_mean) << trial;
     }
   }
 }
