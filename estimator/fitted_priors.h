@@ -22,7 +22,7 @@ struct FittedPriors {
   double size_sigma = 0.1;      ///< Of log d, one frame.
   double size_bias_sigma = 0;   ///< Share of that which stays during a flight.
   double size_drift_sigma = 0;  ///< Share of that which lasts for about size_drift_s.
-  double size_drift_s = 3;
+  double size_drift_s = 1;
 
   /// Calls `v(name, &member, low, high)` for each member: what files hold, and within which limits.
   template <typename Visitor>

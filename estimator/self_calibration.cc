@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimator/box_geometry.h"
 #include "estimator/fusion.h"
@@ -14,8 +15,11 @@ constexpr double kDrift_s = 2;        // A target's attitude, for rigs without l
 constexpr double kRelativeNoise = 0.03;
 constexpr double kAnyDisparity_px = 1e5;  // No image is wider.
 // Of a rig with labels: as it was; another target; touched.
-constexpr double kAsFitted = 0.6, kOtherTarget = 0.3, kTouched = 0.1;
-constexpr int kUnfittedSplit = 11, kFittedSplit = 6;
+constexpr double kAsFitted = 0.3, kOtherTarget = 0.4, kTouched = 0.3;
+constexpr double kOwnSize = 0.03;  // How far no two targets of a kind are alike, at least.
+constexpr double kReach = 2.2;     // Of sizes of other targets, in size_bias_sigma.
+constexpr int kSplit = 11;
+constexpr double kAny = std::numeric_limits<double>::infinity();
 
 double Remainder(double all, double part, double another) {
   const double square = all * all - part * part - another * another;
@@ -48,9 +52,9 @@ SelfCalibrationSetup UnfittedSetup(const AircraftConfig& config) {
   setup.model.size_drift_sigma = estimator.size_sigma * std::sqrt(share);
   setup.model.size_sigma =
       std::max(estimator.size_sigma * std::sqrt(1 - share), estimator.size_sigma / 4 + kLeastSigma);
-  setup.hypotheses =
-      SplitOffset(1, std::max(estimator.selfcal.offset_sigma_px, kLeastSigma),
-                  std::max(estimator.selfcal.size_bias_sigma, kLeastSigma), kUnfittedSplit);
+  const double size_bias_sigma = std::max(estimator.selfcal.size_bias_sigma, kLeastSigma);
+  setup.hypotheses = SplitSizeBias(1, size_bias_sigma, 2.5 * size_bias_sigma, kSplit,
+                                   std::max(estimator.selfcal.offset_sigma_px, kLeastSigma));
   return setup;
 }
 
@@ -63,12 +67,12 @@ SelfCalibrationSetup FittedSetup(const AircraftConfig& config, const FittedPrior
   setup.model.size_drift_sigma = priors.size_drift_sigma;
   setup.model.size_drift_s = priors.size_drift_s;
   const double offset_sigma_px = std::max(priors.offset_sigma_px, kLeastSigma);
-  const double size_sigma = std::max(priors.size_bias_sigma, kLeastSigma);
-  setup.hypotheses = SplitOffset(kOtherTarget, offset_sigma_px,
-                                 std::max(selfcal.size_bias_sigma, size_sigma), kFittedSplit);
-  setup.hypotheses.push_back({kAsFitted, 0, offset_sigma_px, size_sigma});
+  const double size_sigma = std::max(priors.size_bias_sigma, kOwnSize);
+  const double reach = kReach * std::max(selfcal.size_bias_sigma, size_sigma);
+  setup.hypotheses = SplitSizeBias(kOtherTarget, kAny, reach, kSplit, offset_sigma_px);
+  setup.hypotheses.push_back({kAsFitted, 0, size_sigma, offset_sigma_px});
   setup.hypotheses.push_back(
-      {kTouched, 0, std::hypot(selfcal.offset_sigma_px, offset_sigma_px), size_sigma});
+      {kTouched, 0, size_sigma, std::hypot(selfcal.offset_sigma_px, offset_sigma_px)});
   return setup;
 }
 

@@ -12,17 +12,16 @@ constexpr std::size_t kTracksKnown = 16;
 
 }  // namespace
 
-std::vector<SelfCalibrationHypothesis> SplitOffset(double weight, double sigma_px,
-                                                   double size_bias_sigma, int n) {
-  if (n == 1) return {{weight, 0, sigma_px, size_bias_sigma}};
+std::vector<SelfCalibrationHypothesis> SplitSizeBias(double weight, double sigma, double reach,
+                                                     int n, double offset_sigma_px) {
   std::vector<SelfCalibrationHypothesis> hypotheses;
-  const double spacing_px = 5 * sigma_px / (n - 1);
+  const double spacing = 2 * reach / (n - 1);
   double sum = 0;
   for (int i = 0; i < n; ++i) {
-    const double offset_px = (i - (n - 1) / 2.0) * spacing_px;
-    const double density = std::exp(-0.5 * std::pow(offset_px / std::max(sigma_px, 1e-9), 2));
+    const double bias = i * spacing - reach;
+    const double density = std::exp(-0.5 * std::pow(bias / sigma, 2));
     // 0.6 of the spacing makes the sum of normal distributions flat to 1 %.
-    hypotheses.push_back({density, offset_px, 0.6 * spacing_px, size_bias_sigma});
+    hypotheses.push_back({density, bias, 0.6 * spacing, offset_sigma_px});
     sum += density;
   }
   for (SelfCalibrationHypothesis& hypothesis : hypotheses) hypothesis.weight *= weight / sum;
@@ -38,7 +37,7 @@ SelfCalibrationBank::SelfCalibrationBank(const SelfCalibrationModel& model,
     own.offset_sigma_px = hypothesis.offset_sigma_px;
     own.size_bias_sigma = hypothesis.size_bias_sigma;
     const double prior = hypothesis.weight / sum;
-    members_.push_back({prior, prior, hypothesis.offset_px, SelfCalibrationFilter(own)});
+    members_.push_back({prior, prior, hypothesis.size_bias, SelfCalibrationFilter(own)});
   }
   beliefs_.resize(members_.size());
 }
@@ -48,8 +47,9 @@ SelfCalibrationFilter::Belief SelfCalibrationBank::Observe(
   Welcome(sighting.track_id);
   SelfCalibrationFilter::Sighting shifted = sighting;
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    shifted.disparity_px = sighting.disparity_px - members_[i].offset_px;
+    shifted.size_log_m = sighting.size_log_m - members_[i].size_bias;
     beliefs_[i] = members_[i].filter.Observe(shifted);
+    beliefs_[i].size_bias += members_[i].size_bias;
   }
   Weigh(beliefs_);
   SelfCalibrationFilter::Belief all;
@@ -91,7 +91,7 @@ void SelfCalibrationBank::Weigh(const std::vector<SelfCalibrationFilter::Belief>
 double SelfCalibrationBank::offset_px() const {
   double mean_px = 0;
   for (const Member& member : members_) {
-    mean_px += member.weight * (member.offset_px + member.filter.offset_px());
+    mean_px += member.weight * member.filter.offset_px();
   }
   return mean_px;
 }
@@ -100,7 +100,7 @@ double SelfCalibrationBank::offset_sigma_px() const {
   const double mean_px = offset_px();
   double variance = 0;
   for (const Member& member : members_) {
-    const double apart_px = member.offset_px + member.filter.offset_px() - mean_px;
+    const double apart_px = member.filter.offset_px() - mean_px;
     variance +=
         member.weight * (std::pow(member.filter.offset_sigma_px(), 2) + apart_px * apart_px);
   }

@@ -1,6 +1,8 @@
 #include "estimator/self_calibration.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -197,10 +199,16 @@ TEST(SelfCalibrationFilter, OwnMotionIsNoMotionOfTheTarget) {
 /// What a filter's model says may happen, happens: everything that it calls uncertain is drawn.
 class DrawnFlight {
  public:
-  DrawnFlight(const SelfCalibrationModel& model, int number)
+  DrawnFlight(const SelfCalibrationModel& model,
+              const std::vector<SelfCalibrationHypothesis>& hypotheses, int number)
       : model_(model), random_(11, "flight " + std::to_string(number)) {
-    offset_px_ = model_.offset_sigma_px * random_.Normal();
-    bias_ = model_.size_bias_sigma * random_.Normal();
+    double sum = 0;
+    for (const auto& hypothesis : hypotheses) sum += hypothesis.weight;
+    double left = random_.Uniform(0, sum);
+    std::size_t i = 0;
+    while (i + 1 < hypotheses.size() && left > hypotheses[i].weight) left -= hypotheses[i++].weight;
+    offset_px_ = hypotheses[i].offset_sigma_px * random_.Normal();
+    bias_ = hypotheses[i].size_bias + hypotheses[i].size_bias_sigma * random_.Normal();
     drift_ = model_.size_drift_sigma * random_.Normal();
     range_m_ = random_.Uniform(20, 30);
     speed_mps_ = model_.speed_sigma_mps * random_.Normal();
@@ -343,7 +351,71 @@ TEST(Fusion, WorkedExample) {
   EXPECT_LT(between->range_m, 19.5);
 }
 
-TEST(SelfCalibrationBank, IsConsistent) {
+TEST(SelfCalibrationBank, SplitsSizesWorkedExample) {
+  // exp(-(0.2 / 0.1)² / 2) = 0.1353 on either side of 1.
+  const auto normal = SplitSizeBias(0.5, 0.1, 0.2, 3, 7);
+  ASSERT_EQ(normal.size(), 3u);
+  EXPECT_NEAR(normal[0].weight, 0.5 * 0.1353 / 1.2707, 1e-4);
+  EXPECT_NEAR(normal[1].weight, 0.5 * 1.0000 / 1.2707, 1e-4);
+  EXPECT_DOUBLE_EQ(normal[2].size_bias, 0.2);
+  EXPECT_DOUBLE_EQ(normal[2].size_bias_sigma, 0.12);
+  EXPECT_DOUBLE_EQ(normal[2].offset_sigma_px, 7);
+}
+
+TEST(SelfCalibrationBank, SplitPriorsAreThoseThatWereSplit) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const int n : {5, 11, 20}) {
+    for (const double sigma : {0.15, kInfinity}) {
+      const double reach = 0.3;
+      const auto split = SplitSizeBias(0.4, sigma, reach, n, 7);
+      const auto density = [&](double bias) {
+        double sum = 0;
+        for (const auto& part : split) {
+          const double z = (bias - part.size_bias) / part.size_bias_sigma;
+          sum += part.weight / part.size_bias_sigma * std::exp(-0.5 * z * z);
+        }
+        return sum;
+      };
+      double weight = 0;
+      for (const auto& part : split) weight += part.weight;
+      EXPECT_NEAR(weight, 0.4, 1e-12);
+      // A normal distribution that is a sum of others of width w is wider: σ² + w².
+      const double wider = std::hypot(sigma, split[0].size_bias_sigma);
+      // A third of the reach is three widths from the ends, except where there are only five.
+      for (const double bias : {-0.1, -0.03, 0.05, 0.1}) {
+        const double expected = std::exp(-0.5 * std::pow(bias / wider, 2));
+        EXPECT_NEAR(density(bias) / density(0) / expected, 1, n == 5 ? 0.05 : 0.02) << n << bias;
+      }
+    }
+  }
+}
+
+/// The mean over flights of (error / σ)², and the share within 1.96 σ, each after so many ticks.
+struct Consistency {
+  std::vector<double> nees;
+  double covered = 0;
+};
+
+Consistency FlyDrawn(const SelfCalibrationModel& model,
+                     const std::vector<SelfCalibrationHypothesis>& hypotheses, int n_flights,
+                     const std::vector<int>& at) {
+  Consistency result{std::vector<double>(at.size(), 0.0), 0};
+  for (int flight = 0; flight < n_flights; ++flight) {
+    SelfCalibrationBank bank(model, hypotheses);
+    DrawnFlight drawn(model, hypotheses, flight);
+    for (int tick = 0; tick <= at.back(); ++tick) {
+      const auto belief = bank.Observe(drawn.Next());
+      const auto found = std::find(at.begin(), at.end(), tick);
+      if (found == at.end()) continue;
+      const double error = (belief.range_m - drawn.truth_m()) / belief.range_sigma_m;
+      result.nees[static_cast<std::size_t>(found - at.begin())] += error * error / n_flights;
+      result.covered += (std::abs(error) <= 1.96) / static_cast<double>(n_flights * at.size());
+    }
+  }
+  return result;
+}
+
+SelfCalibrationModel DrawnModel() {
   SelfCalibrationModel model;
   model.focal_baseline_px_m = 1300;
   model.offset_walk_pxps = 0.5;
@@ -352,29 +424,35 @@ TEST(SelfCalibrationBank, IsConsistent) {
   model.size_drift_s = 2;
   model.acceleration_mps2 = 0.3;
   model.speed_sigma_mps = 0.8;
-  model.offset_sigma_px = 8;  // A wider one makes the range skewed: no standard deviation tells it.
-  model.size_bias_sigma = 0.1;
-  constexpr int kFlights = 300, kTicks = 60;
-  double covered = 0;
-  for (const int at : {5, 30, 59}) {
-    double nees = 0;
-    for (int flight = 0; flight < kFlights; ++flight) {
-      SelfCalibrationBank bank(model, SplitOffset(1, model.offset_sigma_px, 0.1, 11));
-      DrawnFlight drawn(model, flight);
-      for (int tick = 0; tick < kTicks; ++tick) {
-        const auto belief = bank.Observe(drawn.Next());
-        if (tick != at) continue;
-        const double error = (belief.range_m - drawn.truth_m()) / belief.range_sigma_m;
-        nees += error * error / kFlights;
-        covered += std::abs(error) <= 1.96;
-      }
-    }
-    // The mean of 300 squares of normal variables is in [0.847, 1.166] in 95 of 100 cases.
-    EXPECT_GT(nees, 0.847) << at;
-    EXPECT_LT(nees, 1.166) << at;
+  return model;
+}
+
+// Means of 300 squares of normal variables are in [0.847, 1.166] in 95 of 100 cases.
+
+TEST(SelfCalibrationBank, IsConsistent) {
+  const auto result = FlyDrawn(DrawnModel(), SplitSizeBias(1, 0.1, 0.25, 11, 8), 300, {5, 30, 59});
+  for (const double nees : result.nees) {
+    EXPECT_GT(nees, 0.847);
+    EXPECT_LT(nees, 1.166);
   }
-  EXPECT_GT(covered / (3 * kFlights), 0.93);
-  EXPECT_LT(covered / (3 * kFlights), 0.97);
+  EXPECT_GT(result.covered, 0.93);
+  EXPECT_LT(result.covered, 0.97);
+}
+
+TEST(SelfCalibrationBank, IsConsistentOverAllThatMayHaveChanged) {
+  // What `fused` expects: as it was, another target, or a rig that was touched.
+  AircraftConfig config = Config();
+  FittedPriors priors;
+  priors.offset_sigma_px = 7;
+  priors.size_bias_sigma = 0.015;
+  const auto hypotheses = FittedSetup(config, priors).hypotheses;
+  const auto result = FlyDrawn(DrawnModel(), hypotheses, 300, {5, 30, 59});
+  for (const double nees : result.nees) {
+    EXPECT_GT(nees, 0.847);
+    EXPECT_LT(nees, 1.166);
+  }
+  EXPECT_GT(result.covered, 0.93);
+  EXPECT_LT(result.covered, 0.97);
 }
 
 }  // namespace
