@@ -1,4 +1,5 @@
 #include <iostream>
+#include <map>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "common/process/process.h"
 #include "learn/audit.h"
 #include "learn/pcm_onnx.h"
+#include "learn/recorded_tuples.h"
 #include "learn/train_card.h"
 #include "learn/tuple_file.h"
 #include "learn/tuple_source.h"
@@ -55,13 +57,21 @@ Scenario BaseOf(const Options& options, const std::vector<std::string>& more = {
   return LoadUndrawnScenario(options.scenario, overrides);
 }
 
+/// Folders of runs, instead of a scenario.
+bool IsRecorded(const Options& options) { return fs::is_directory(options.scenario); }
+
+// "flights" of "runs/flights/", too.
+std::string NameOf(const fs::path& path) {
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
 // Without what changes nothing: where files are, and how many threads there were.
 std::string CommandOf(const Options& options) {
-  std::string command = "windhover train pcm " + fs::path(options.scenario).filename().string();
+  std::string command = "windhover train pcm " + NameOf(options.scenario);
   for (const std::string& set : options.overrides) command += " --set " + set;
   if (!options.tuples.empty()) {
-    command += " --tuples " + fs::path(options.tuples).filename().string();
-  } else {
+    command += " --tuples " + NameOf(options.tuples);
+  } else if (!IsRecorded(options)) {
     command += fmt::format(" --data-seed {}", options.data_seed);
   }
   if (!options.from.empty()) command += " --from " + fs::path(options.from).filename().string();
@@ -74,23 +84,55 @@ std::string CommandOf(const Options& options) {
   return command;
 }
 
-CardPlan PlanOf(const Options& options) {
+// Of every file, by its name where there are some.
+nlohmann::ordered_json Sha256Of(const fs::path& file_or_folder, const std::string& extension) {
+  if (!fs::is_directory(file_or_folder)) return Sha256OfFile(file_or_folder);
+  std::map<std::string, std::string> sums;
+  for (const auto& entry : fs::recursive_directory_iterator(file_or_folder)) {
+    if (entry.path().extension() != extension) continue;
+    sums[fs::relative(entry.path(), file_or_folder).string()] = Sha256OfFile(entry.path());
+  }
+  return sums;
+}
+
+void TakeRuns(const Options& options, CardPlan* plan) {
+  if (!options.overrides.empty() || !options.tuples.empty()) {
+    throw ConfigError(
+        fmt::format("{}: what was recorded takes no --set and no --tuples", options.scenario));
+  }
+  RecordedTuples recorded = ReadRecordedTuples(options.scenario);
+  plan->rig = recorded.rig;
+  plan->tuples = std::move(recorded.tuples);
+  plan->provenance["data"] = NameOf(options.scenario);
+  plan->provenance["data_sha256"] = Sha256Of(options.scenario, ".lcm");
+  plan->provenance["split"] = recorded.split_by_run ? "by run" : "by time";
+}
+
+void TakeScenario(const Options& options, CardPlan* plan) {
   const Scenario base = BaseOf(options);
+  plan->rig = base.rig.calibrated.ToStereoRig();
+  if (options.tuples.empty()) {
+    plan->tuples = DrawTuples(base, options.data_seed, options.threads);
+    plan->provenance["data"] = NameOf(options.scenario);
+  } else {
+    plan->tuples = ReadTuples(options.tuples, plan->rig.width_px, plan->rig.height_px);
+    plan->provenance["data"] = NameOf(options.tuples);
+    plan->provenance["data_sha256"] = Sha256Of(options.tuples, ".npy");
+  }
+}
+
+CardPlan PlanOf(const Options& options) {
   CardPlan plan;
-  plan.rig = base.rig.calibrated.ToStereoRig();
   plan.pcm = RecipeOf(options);
   plan.joint_mlp.seed = options.seed;
   if (!options.from.empty()) plan.start = ReadCorrectionCard(fs::path(options.from));
   plan.state_file = options.out + ".state";
   plan.resume = options.resume;
   plan.provenance = {{"command", CommandOf(options)}, {"version", WINDHOVER_VERSION}};
-  if (options.tuples.empty()) {
-    plan.tuples = DrawTuples(base, options.data_seed, options.threads);
-    plan.provenance["data"] = fs::path(options.scenario).filename().string();
+  if (IsRecorded(options)) {
+    TakeRuns(options, &plan);
   } else {
-    plan.tuples = ReadTuples(options.tuples, plan.rig.width_px, plan.rig.height_px);
-    plan.provenance["data"] = fs::path(options.tuples).filename().string();
-    plan.provenance["data_sha256"] = Sha256OfFile(options.tuples);
+    TakeScenario(options, &plan);
   }
   return plan;
 }
@@ -115,6 +157,9 @@ void Write(const Options& options, TrainedCard trained) {
 }
 
 int AuditTraining(const Options& options) {
+  if (IsRecorded(options)) {
+    throw ConfigError(options.scenario + ": an audit draws data: it takes a scenario");
+  }
   const StereoRig rig = BaseOf(options).rig.calibrated.ToStereoRig();
   const auto draw = [&](const std::vector<std::string>& overrides) {
     return DrawTuples(BaseOf(options, overrides), options.data_seed, options.threads);
@@ -157,14 +202,18 @@ int Train(const Options& options) {
 void AddDataOptions(CLI::App* command, Options* options) {
   command
       ->add_option("SCENARIO", options->scenario,
-                   "scenario or preset: its rig, and the data set to draw")
+                   "scenario or preset: its rig, and the data set to draw; or the folder of a run, "
+                   "or of some")
       ->required()
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingPath);
   command->add_option("--set", options->overrides, "a.b.c=value, as for run")
       ->allow_extra_args(false);
   command->add_option("--data-seed", options->data_seed, "which data set to draw");
-  command->add_option("--tuples", options->tuples, "take this file of tuples instead (CSV)")
-      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--tuples", options->tuples,
+                   "take these tuples instead: CSV, UAVDE's .npy, or a folder with its "
+                   "train.npy, val.npy and test.npy")
+      ->check(CLI::ExistingPath);
   command->add_option("--keep-tuples", options->keep_tuples, "write the tuples to this file");
   command->add_option("--threads", options->threads, "of drawing; changes no bit")
       ->check(CLI::Range(1, 256));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "learn/stereo_tuple.h"
@@ -15,13 +16,13 @@ inline constexpr const char* kTupleColumns =
 /// @throws std::runtime_error if the file cannot be written.
 void WriteTuples(const TupleSplits& tuples, const std::string& file);
 
-/// Reads what WriteTuples() wrote; or lines of nine columns as UAVDE has them, x, y, w, h of the
-/// left box, then of the right one, centres and sizes in shares of an image of `image_width_px`
-/// by `image_height_px`, then the distance in m. Those are split as in the paper, 2815 : 541 :
-/// 539, in their order.
+/// Reads what WriteTuples() wrote; or lines of nine columns, x, y, w, h of the left box, then of
+/// the right one, centres and sizes in shares of an image of `image_width_px` by
+/// `image_height_px`, then the distance in m; or UAVDE's own files (learn/uavde_file.h): one .npy,
+/// or a folder with one a split. What has no splits is split as in the paper, in its order.
 /// @throws ConfigError `FILE:LINE: …` for numbers that are not finite, boxes without size, left
 /// and right the wrong way round, distances that are none, wrong columns, and splits that are
-/// empty.
-TupleSplits ReadTuples(const std::string& file, int image_width_px, int image_height_px);
+/// empty; as ReadUavdeFile() for UAVDE's.
+TupleSplits ReadTuples(const std::filesystem::path& file, int image_width_px, int image_height_px);
 
 }  // namespace windhover

@@ -7,7 +7,9 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
+#include "common/cpu/instruction_set.h"
 #include "common/random/random_stream.h"
+#include "estimator/mixer_four.h"
 #include "estimator/mixer_pass.h"
 
 namespace windhover {
@@ -134,6 +136,25 @@ TEST(Mixer, AgreesWithTorchsModulesOneByOne) {
           }
         }
       }
+    }
+  }
+}
+
+TEST(Mixer, AnswersTheSameBitsWhateverTheInstructions) {
+  if (WidestInstructionSet() < InstructionSet::kAvx2) GTEST_SKIP() << "has no AVX2";
+  RandomStream random(4, "tokens");
+  for (const int n_outputs : {1, 2}) {
+    const auto parameters = RandomParameters(MixerParameters(4, n_outputs), "weights");
+    for (int i = 0; i < 50; ++i) {
+      std::array<BoxTokens, 2> tokens;
+      for (auto& box : tokens) {
+        for (float& token : box) token = static_cast<float>(random.Uniform());
+      }
+      MixerAnswers narrow{}, wide{};
+      EvaluateMixerFourSse2(parameters.data(), n_outputs, tokens[0], tokens[1], &narrow);
+      EvaluateMixerFourAvx2(parameters.data(), n_outputs, tokens[0], tokens[1], &wide);
+      EXPECT_EQ(narrow, wide);
+      EXPECT_NE(narrow[0], narrow[1]);
     }
   }
 }

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/config/fields.h"
@@ -11,13 +10,9 @@
 #include "estimator/mixer_pass.h"
 #include "learn/mixer_kernel.h"
 #include "learn/train_joint_mlp.h"
-#include "learn/tuple_file.h"
-#include "tests/support/scratch_file.h"
 
 namespace windhover {
 namespace {
-
-using ::testing::HasSubstr;
 
 /// Targets of one size before a rig whose disparities are 70 px too large, boxes 1 px noisy.
 std::vector<PcmSample> Samples(int n, const char* name) {
@@ -203,56 +198,6 @@ TEST(TrainJointMlp, GradientIsThatOfDifferences) {
 TEST(TrainJointMlp, Learns) {
   const auto mlp = TrainJointMlp(Samples(300, "train"), Samples(60, "val"), {.epochs = 60});
   EXPECT_LT(ScoreJointMlp(mlp, Samples(200, "test")).abs_rel, 0.05);
-}
-
-std::string MessageOf(const std::string& text) {
-  try {
-    ReadTuples(test::ScratchFile(text), 1280, 720);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-TEST(TupleFile, ComesBackBitByBit) {
-  StereoTuple tuple;
-  tuple.box.left = {700.1, 300.2, 60.3, 30.4};
-  tuple.box.right = {600.5, 301.6, 61.7, 30.8};
-  tuple.box.score = 1;
-  tuple.range_m = 12.345678901234567;
-  tuple.range_true_m = 12.5;
-  tuple.flight = 2;
-  tuple.utime = 1234567;
-  const std::string file = test::ScratchFile("", "tuples");
-  WriteTuples({{tuple, tuple}, {tuple}, {tuple}}, file);
-  const TupleSplits back = ReadTuples(file, 1280, 720);
-  ASSERT_EQ(back.train.size(), 2u);
-  EXPECT_EQ(back.test[0].box.right.w_px, 61.7);
-  EXPECT_EQ(back.val[0].range_m, tuple.range_m);
-  EXPECT_EQ(back.train[1].utime, 1234567);
-}
-
-TEST(TupleFile, ReadsSharesOfImagesAsUavdeHasThem) {
-  std::string text;
-  for (int i = 0; i < 8; ++i) text += "0.5,0.5,0.1,0.1,0.4,0.5,0.1,0.1,20\n";
-  const TupleSplits tuples = ReadTuples(test::ScratchFile(text), 1280, 720);
-  EXPECT_EQ(tuples.train.size(), 5u);
-  EXPECT_DOUBLE_EQ(tuples.test[0].box.left.x_px, 639.5);
-  EXPECT_DOUBLE_EQ(tuples.test[0].box.left.h_px, 72);
-}
-
-TEST(TupleFile, SaysWhatIsWrongAndWhere) {
-  const std::string head = std::string(kTupleColumns) + "\n";
-  const auto line = [&](const std::string& text) { return MessageOf(head + text + "\n"); };
-  EXPECT_THAT(line("0,0,0,700,300,60,30,600,300,60,30,nan,12"), HasSubstr(":2: column 12: must"));
-  EXPECT_THAT(line("0,0,0,700,300,0,30,600,300,60,30,12,12"),
-              HasSubstr(":2: sizes of boxes must be above 0 (found 0)"));
-  EXPECT_THAT(line("0,0,0,600,300,60,30,700,300,60,30,12,12"),
-              HasSubstr(":2: the left box must be right of the right one"));
-  EXPECT_THAT(line("0,0,0,700,300,60,30,600,300,60,30,-1,12"), HasSubstr(":2: distance must be"));
-  EXPECT_THAT(line("3,0,0,700,300,60,30,600,300,60,30,12,12"), HasSubstr(":2: split must be"));
-  EXPECT_THAT(line("0,0,0,700"), HasSubstr(":2: must have 13 columns (found 4)"));
-  EXPECT_THAT(line("0,0,0,700,300,60,30,600,300,60,30,12,12"), HasSubstr("must have tuples to"));
 }
 
 }  // namespace

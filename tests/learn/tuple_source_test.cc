@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "common/bus/tick_client.h"
+#include "common/config/fields.h"
 #include "estimator/estimator_node.h"
 #include "eval/run_log_record.h"
 #include "eval/samples.h"
 #include "learn/method_trial.h"
+#include "learn/recorded_tuples.h"
 #include "render/render_node.h"
 #include "scenarios/dataset.h"
 #include "sim/sim_node.h"
@@ -119,6 +121,50 @@ TEST(TupleSource, AnyNumberOfThreadsDrawsTheSameAndAnotherSeedOthers) {
   ExpectSameBits(one.train, three.train);
   ExpectSameBits(one.val, three.val);
   EXPECT_NE(Numbers(DrawTuples(base, 2, 1).test[0]), Numbers(one.test[0]));
+}
+
+TEST(RecordedTuples, AreThoseOfAsManyFlightsSplitByRun) {
+  const Scenario base = Base("uavde_12mm", {"geometric.miss_rate=0.1"});
+  std::vector<RunRecord> runs = {Flown(DatasetFlight(base, Split::kTrain, 0, 5)),
+                                 Flown(DatasetFlight(base, Split::kTrain, 1, 5)),
+                                 Flown(DatasetFlight(base, Split::kVal, 0, 5)),
+                                 Flown(DatasetFlight(base, Split::kTest, 0, 5))};
+  const RecordedTuples recorded = TuplesOfRuns(runs, {"a", "b", "c", "d"});
+  const TupleSplits drawn = DrawTuples(base, 5, 1);
+  EXPECT_TRUE(recorded.split_by_run);
+  EXPECT_EQ(recorded.rig.baseline_m, 0.406);
+  ExpectSameBits(recorded.tuples.train, drawn.train);
+  ExpectSameBits(recorded.tuples.val, drawn.val);
+  ExpectSameBits(recorded.tuples.test, drawn.test);
+  const auto message = [&] {
+    try {
+      TuplesOfRuns(runs, {"a", "b", "c", "d"});
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  runs[1].scenario.rig.calibrated.focal_mm = 16;
+  EXPECT_EQ(message(), "b: must have flown the same calibrated rig as the first run");
+  runs[0].valid = false;
+  runs[0].invalid_reason = "cut short";
+  EXPECT_EQ(message(), "a: must be a valid run (found: cut short)");
+}
+
+TEST(RecordedTuples, OneFlightIsSplitByTime) {
+  Scenario base = Base("uavde_12mm", {});
+  base.dataset.splits.train.pairs = 800;
+  const Scenario flight = DatasetFlight(base, Split::kTrain, 0, 5);
+  const RecordedTuples recorded = TuplesOfRuns({Flown(flight)}, {"a"});
+  const auto& [train, val, test] = recorded.tuples;
+  const auto all = FlownThroughTheLoop(flight, 0);
+  EXPECT_FALSE(recorded.split_by_run);
+  EXPECT_EQ(train.size(), all.size() * 2815 / 3895);
+  EXPECT_EQ(Numbers(train.front()), Numbers(all.front()));
+  EXPECT_EQ(Numbers(test.back()), Numbers(all.back()));
+  EXPECT_GE(val.front().utime - train.back().utime, 1'000'000);
+  EXPECT_GE(test.front().utime - val.back().utime, 1'000'000);
+  EXPECT_GT(train.size() + val.size() + test.size() + 25, all.size());  // 10 a second.
 }
 
 // Methods that remember, too, need no loop to be scored.
