@@ -8,7 +8,7 @@
 
 #include "cli/budget_report.h"
 #include "cli/command.h"
-#include "cli/run_directory.h"
+#include "common/file/whole_file.h"
 
 namespace windhover {
 namespace {

@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include "cli/build_info.h"
-#include "cli/sha256.h"
 #include "common/config/value_text.h"
+#include "common/file/sha256.h"
 #include "scenarios/input_files.h"
 
 namespace windhover {

@@ -8,6 +8,7 @@
 #include "cli/in_process_run_replay.h"
 #include "cli/run_directory.h"
 #include "cli/verdict.h"
+#include "common/file/whole_file.h"
 #include "eval/evaluation.h"
 
 namespace windhover {

@@ -11,8 +11,8 @@
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/reproduce_learned.h"
-#include "cli/run_directory.h"
 #include "common/config/fields.h"
+#include "common/file/whole_file.h"
 
 namespace windhover {
 namespace {

@@ -11,6 +11,7 @@
 #include "cli/process_run.h"
 #include "cli/run_directory.h"
 #include "cli/verdict.h"
+#include "common/file/whole_file.h"
 #include "eval/evaluation.h"
 #include "learn/estimator_check.h"
 

@@ -1,13 +1,8 @@
 #include "cli/run_directory.h"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <stdexcept>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "common/config/fields.h"
 
@@ -31,18 +26,6 @@ fs::path MakeNumbered(const fs::path& parent, const std::string& name) {
 }
 
 }  // namespace
-
-void ReplaceFile(const fs::path& file, const std::string& text) {
-  const fs::path aside = file.string() + fmt::format(".{}.part", getpid());
-  std::ofstream out(aside, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
-  }
-  fs::rename(aside, file);
-}
 
 fs::path MakeRunDirectory(const std::string& scenario_file, const std::string& out) {
   if (out.empty()) return MakeNumbered("runs", fs::path(scenario_file).stem().string());

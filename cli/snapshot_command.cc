@@ -5,8 +5,8 @@
 
 #include "cli/command.h"
 #include "cli/process_run.h"
-#include "cli/run_directory.h"
 #include "cli/tool.h"
+#include "common/file/whole_file.h"
 #include "scenarios/scenario.h"
 
 namespace windhover {

@@ -7,8 +7,8 @@
 
 #include "cli/command.h"
 #include "cli/progress.h"
-#include "cli/run_directory.h"
-#include "cli/sha256.h"
+#include "common/file/sha256.h"
+#include "common/file/whole_file.h"
 #include "common/process/process.h"
 #include "learn/audit.h"
 #include "learn/pcm_onnx.h"

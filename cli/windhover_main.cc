@@ -24,8 +24,8 @@ int main(int argc, char** argv) {
   CommandAction chosen;
   for (const auto add :
        {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand, AddScoreCommand,
-        AddBudgetCommand, AddReportCommand, AddReproduceCommand, AddTrainCommand, AddBenchCommand,
-        AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
+        AddBudgetCommand, AddReportCommand, AddReproduceCommand, AddExportCommand, AddTrainCommand,
+        AddBenchCommand, AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
     add(app, &chosen);
   }
   int exit_code = 0;

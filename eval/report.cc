@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/enum_name.h"
+#include "common/config/enum_name.h"
 #include "eval/evaluation.h"
 #include "eval/report_charts.h"
 #include "eval/report_frames.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/enum_name.h"
+#include "common/config/enum_name.h"
 #include "eval/svg_chart.h"
 
 namespace windhover {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "eval/enum_name.h"
+#include "common/config/enum_name.h"
 
 namespace windhover {
 namespace {

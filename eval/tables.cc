@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/enum_name.h"
+#include "common/config/enum_name.h"
 #include "eval/evaluation.h"
 #include "eval/text_file.h"
 

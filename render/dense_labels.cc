@@ -10,7 +10,6 @@
 #include "common/image/image_file.h"
 #include "render/motion.h"
 #include "render/raster_mesh.h"
-#include "render/scene_geometry.h"
 
 namespace windhover {
 namespace {
@@ -95,18 +94,22 @@ float DisparityAt(int x, int y, double depth_m, const AnyCamera& left, const Row
 }  // namespace
 
 DenseLabels MakeDenseLabels(const Scenario& scenario, int observer, const world_truth_t& world) {
+  return MakeDenseLabels(scenario, SceneGeometry(scenario, {observer}), 0, world);
+}
+
+DenseLabels MakeDenseLabels(const Scenario& scenario, const SceneGeometry& geometry,
+                            std::size_t observer, const world_truth_t& world) {
   if (scenario.aircraft.size() > kMaxAircraft) {
     throw ConfigError(fmt::format("dense labels: at most {} aircraft (found {})", kMaxAircraft,
                                   scenario.aircraft.size()));
   }
-  const SceneGeometry geometry(scenario, {observer});
   geometry.CheckWorld(world);
-  const ObserverRig& rig = geometry.Observers().front();
+  const ObserverRig& rig = geometry.Observers()[observer];
   const auto [width_px, height_px] = scenario.rig.calibrated.image;
   const double nominal_s = scenario.exposure.duration_ms * 1e-3;
   const StereoRowCameras cameras =
       CamerasByRows(world, rig.position, rig.X_BR, rig.motion,
-                    geometry.ShutterOf(world, 0, nominal_s, nominal_s), height_px, 0);
+                    geometry.ShutterOf(world, observer, nominal_s, nominal_s), height_px, 0);
   DenseLabels labels{width_px, height_px, {}, {}, {}};
   const auto n = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
   labels.left = labels.right = {std::vector<float>(n), std::vector<std::uint8_t>(n)};

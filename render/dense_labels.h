@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lcmtypes/world_truth_t.hpp"
+#include "render/scene_geometry.h"
 #include "scenarios/scenario.h"
 
 namespace windhover {
@@ -30,6 +31,10 @@ struct DenseLabels {
 /// @throws ConfigError if a mesh or a vibration file cannot be used, or there are more than 254
 /// aircraft; std::runtime_error if `world` does not hold the scenario's aircraft.
 DenseLabels MakeDenseLabels(const Scenario& scenario, int observer, const world_truth_t& world);
+
+/// The same as the rig `geometry.Observers()[observer]` of the scenario sees it, for many worlds.
+DenseLabels MakeDenseLabels(const Scenario& scenario, const SceneGeometry& geometry,
+                            std::size_t observer, const world_truth_t& world);
 
 /// Writes depth_left.tiff, depth_right.tiff, disparity.tiff (32-bit floats), mask_left.png and
 /// mask_right.png (8 bits). @throws std::runtime_error if a file cannot be written.

@@ -3,32 +3,19 @@
 #include <array>
 #include <cmath>
 
-#include <xxhash.h>
-
 #include "common/bus/channels.h"
 #include "common/bus/truth_channels.h"
-#include "lcmtypes/frame_digest_t.hpp"
 #include "render/box_detector.h"
+#include "render/frame_digest.h"
 
 namespace windhover {
 namespace {
 
-void SetDigest(const image_t& image, std::int64_t (&digest)[2]) {
-  const XXH128_hash_t hash = XXH3_128bits(image.data.data(), image.data.size());
-  digest[0] = static_cast<std::int64_t>(hash.high64);
-  digest[1] = static_cast<std::int64_t>(hash.low64);
-}
-
-frame_digest_t DigestOf(const stereo_frame_t& frame) {
-  frame_digest_t digest{};
+frame_digest_t DigestOfFrame(const stereo_frame_t& frame) {
+  frame_digest_t digest = DigestOf(frame.left, frame.right);
   digest.utime = frame.utime;
   digest.tick = frame.tick;
   digest.observer_id = frame.observer_id;
-  digest.width = frame.left.width;
-  digest.height = frame.left.height;
-  digest.pixelformat = frame.left.pixelformat;
-  SetDigest(frame.left, digest.left_xxh3);
-  SetDigest(frame.right, digest.right_xxh3);
   return digest;
 }
 
@@ -90,7 +77,7 @@ void RenderNode::PublishPixels(RenderedPair&& pair, int tick) {
   const FrameFormat format = FrameFormatOf(scenario_.sensor);
   frame.left = EncodeFrame(std::move(pair.left), frame.utime, format);
   frame.right = EncodeFrame(std::move(pair.right), frame.utime, format);
-  client_.Publish(channel::FrameDigest(id), DigestOf(frame));
+  client_.Publish(channel::FrameDigest(id), DigestOfFrame(frame));
   client_.Publish(channel::Annotation(id), pair.annotation);
   if (scenario_.observe == Observe::kAnnotated) {
     client_.Publish(channel::Detection(id), DetectVisible(pair.annotation));

@@ -12,9 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Per sample, of a consumer MEMS IMU at 200 Hz.
-constexpr double kGyroSigma_radps = 2e-3, kAccelerometerSigma_mps2 = 0.05;
-
 // Three independent normal numbers, for sample number `sample` (from -1) of the stream `name`.
 Vector3d Noise(std::uint64_t seed, const std::string& name, std::int64_t sample, double sigma) {
   RandomStream stream(seed, name);

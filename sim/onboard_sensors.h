@@ -14,6 +14,9 @@ namespace windhover {
 /// seed, aircraft, quantity and sample number alone, so that it is the same in any order.
 class OnboardSensors {
  public:
+  /// Per sample, of a consumer MEMS IMU at 200 Hz.
+  static constexpr double kGyroSigma_radps = 2e-3, kAccelerometerSigma_mps2 = 0.05;
+
   explicit OnboardSensors(const Scenario& scenario);
 
   /// The aircraft at `position`'s own state as its navigation filter reports it.

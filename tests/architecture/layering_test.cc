@@ -31,7 +31,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"budget", {"common", "camera", "rig", "scenarios"}},
     {"learn",
      {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "estimator", "eval"}},
-    {"cli", {"common", "scenarios", "eval", "budget", "learn", "lcmtypes"}},
+    {"dataset", {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "eval"}},
+    {"cli", {"common", "scenarios", "eval", "budget", "dataset", "learn", "lcmtypes"}},
 };
 
 // cli/in_process_run alone may include every node.

@@ -17,7 +17,7 @@ const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/"
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
   for (const char* command :
-       {"run", "bench", "mesh-info", "budget", "check", "keys", "replay", "reproduce", "score",
+       {"run", "bench", "export", "mesh-info", "budget", "check", "keys", "replay", "reproduce", "score",
         "report", "snapshot", "train", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});

@@ -8,8 +8,9 @@
 #include "cli/manifest.h"
 #include "cli/progress.h"
 #include "cli/run_directory.h"
-#include "cli/sha256.h"
 #include "common/config/fields.h"
+#include "common/file/sha256.h"
+#include "common/file/whole_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {

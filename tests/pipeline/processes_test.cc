@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/sha256.h"
+#include "common/file/sha256.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "cli/sha256.h"
+#include "common/file/sha256.h"
 
 #include <array>
 #include <fstream>
