@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "camera/stereo_rig.h"
+#include "common/file/whole_file.h"
 #include "sim/onboard_sensors.h"
 
 namespace windhover {

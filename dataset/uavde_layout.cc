@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/config/enum_name.h"
+#include "common/file/whole_file.h"
 #include "dataset/box_text.h"
 #include "eval/samples.h"
 
