@@ -123,13 +123,15 @@ ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
                           const world_truth_t& world, std::size_t observer, const RigMotion& rig,
                           double focal_px) {
   const uav_truth_t& self = world.uavs[observer];
-  double speed_radps = 0;
+  double fastest_radps = 0;
   for (std::size_t i = 0; i < world.uavs.size(); ++i) {
-    if (i != observer) speed_radps = std::max(speed_radps, TargetSpeedRadps(self, world.uavs[i]));
+    if (i == observer) continue;
+    fastest_radps = std::max(fastest_radps, TargetSpeedRadps(self, world.uavs[i]));
   }
-  speed_radps += Vector3d(self.w_WB_B_radps).norm();
-  const double motion_px = RigMotionPx(rig, DriveOf(world, observer), duration_s, focal_px) +
-                           speed_radps * duration_s * focal_px;
+  // Far surroundings only turn with the cameras; targets go across the image besides.
+  const double turning_px = RigMotionPx(rig, DriveOf(world, observer), duration_s, focal_px) +
+                            Vector3d(self.w_WB_B_radps).norm() * duration_s * focal_px;
+  const double motion_px = turning_px + fastest_radps * duration_s * focal_px;
   int count = static_cast<int>(
       std::clamp(std::ceil(motion_px / config.max_blur_px), 1.0, 1.0 * config.max_samples));
   if (count % 2 == 0) count += count < config.max_samples ? 1 : -1;
@@ -138,7 +140,7 @@ ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
     plan.offsets_s.push_back(duration_s * ((i + 0.5) / count - 0.5));
   }
   plan.offsets_s[static_cast<std::size_t>(count / 2)] = 0;
-  plan.background = BackgroundNodes(motion_px, duration_s, config.max_samples);
+  plan.background = BackgroundNodes(turning_px, duration_s, config.max_samples);
   return plan;
 }
 

@@ -47,9 +47,10 @@ struct ExposurePlan {
 /// Source: M. Abramowitz and I. Stegun, "Handbook of Mathematical Functions", table 25.4.
 std::vector<ExposureNode> BackgroundNodes(double motion_px, double duration_s, int max_nodes);
 
-/// Splits an exposure of `duration_s` so that nothing in the image moves more than max_blur_px
-/// within a part: the far background by the turning of the cameras (aircraft, vibration, flex), the
-/// nearest target by its own motion. At most max_samples parts (one less if that is even).
+/// Splits an exposure of `duration_s` so that no target moves more than max_blur_px in the image
+/// within a part, by the turning of the cameras (aircraft, vibration, flex) and by its own motion;
+/// the nodes of the surroundings follow from the turning alone. At most max_samples parts (one less
+/// if that is even).
 ExposurePlan PlanExposure(const ExposureConfig& config, double duration_s,
                           const world_truth_t& world, std::size_t observer, const RigMotion& rig,
                           double focal_px);

@@ -48,6 +48,27 @@ TEST(BackgroundNodes, AreNoMoreThanAllowed) {
   EXPECT_EQ(BackgroundNodes(20, 1, 1).size(), 1u);
 }
 
+// What flies past does not blur what is behind it: a pair of images, one with and one without the
+// target, has the same surroundings.
+TEST(PlanExposure, TakesTheSurroundingsBlurFromTheCamerasAlone) {
+  Scenario scenario;
+  const RigMotion still(scenario.rig.calibrated.ToStereoRig(), {}, {}, {}, 1, "uav0");
+  world_truth_t world{};
+  world.uavs.resize(2);
+  world.uavs[0].qw = world.uavs[1].qw = 1;
+  world.uavs[1].p_WB_m[0] = 10;
+  const auto plan = [&] { return PlanExposure({.max_blur_px = 1}, 3e-3, world, 0, still, 3215); };
+  EXPECT_EQ(plan().background.size(), 1u);
+  EXPECT_EQ(plan().offsets_s.size(), 1u);
+  // 5 m/s at 10 m for 3 ms of 3215 px: 4.8 px, in an odd number of parts.
+  world.uavs[1].v_WB_mps[1] = 5;
+  EXPECT_EQ(plan().background.size(), 1u);
+  EXPECT_EQ(plan().offsets_s.size(), 5u);
+  // The cameras turn by half a radian a second: 4.8 px, too, of which three nodes are enough.
+  world.uavs[0].w_WB_B_radps[2] = 0.5;
+  EXPECT_EQ(plan().background.size(), 3u);
+}
+
 // 50 turns a second for 2 ms: a tenth of a turn.
 TEST(TurningOf, CarriesRotorsOnToTheExposure) {
   uav_truth_t truth{};
