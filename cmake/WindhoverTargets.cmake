@@ -5,6 +5,7 @@ include(GoogleTest)
 
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+set(CMAKE_BUILD_RPATH "$ORIGIN" "$ORIGIN/../bin")  # Where programs and tests find modules.
 option(WINDHOVER_SANITIZE "Build everything with address and undefined-behaviour sanitizers" OFF)
 
 add_library(windhover_flags INTERFACE)
@@ -51,6 +52,19 @@ function(windhover_header_library name)
   add_library(windhover_${name} INTERFACE)
   add_library(windhover::${name} ALIAS windhover_${name})
   target_link_libraries(windhover_${name} INTERFACE windhover_flags ${arg_USES})
+endfunction()
+
+# windhover_module(windhover_codecs FOR windhover::image SOURCES ... USES opencv_imgcodecs ...): a
+# library that is loaded when it is first needed (dlopen), beside the programs; whoever uses the
+# target after FOR has it built.
+function(windhover_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOR" "SOURCES;USES")
+  add_library(${name} MODULE ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE windhover_flags ${arg_USES})
+  set_target_properties(${name} PROPERTIES
+    PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+  string(REPLACE "::" "_" user ${arg_FOR})
+  add_dependencies(${user} ${name})
 endfunction()
 
 # windhover_program(windhover-estimator SOURCES estimator_main.cc USES windhover::estimator)

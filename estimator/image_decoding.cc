@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/image/image_codecs.h"
+
 namespace windhover {
 namespace {
 
@@ -55,7 +57,7 @@ cv::Mat RgbFromMessage(const image_t& message, std::span<const std::uint8_t> byt
       Require(!bytes.empty(), message, "no data");
       const cv::Mat jpeg(1, static_cast<int>(bytes.size()), CV_8UC1,
                          const_cast<std::uint8_t*>(bytes.data()));
-      const cv::Mat bgr = cv::imdecode(jpeg, cv::IMREAD_COLOR);
+      const cv::Mat bgr = Codecs().imdecode(jpeg, cv::IMREAD_COLOR);
       Require(bgr.cols == message.width && bgr.rows == message.height, message,
               "the JPEG inside is broken or of another size");
       return Converted(bgr, cv::COLOR_BGR2RGB);

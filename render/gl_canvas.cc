@@ -73,7 +73,7 @@ class GlCanvas final : public TargetCanvas {
   explicit GlCanvas(std::unique_ptr<GlContext> context);
   ~GlCanvas() override;
 
-  TileLimits Limits() const override { return {kMaxSize, kMaxSize, kMaxSize * kMaxSize}; }
+  TileLimits Limits() const override { return {kMaxColumns, kMaxRows, kMaxColumns * kMaxRows}; }
   void Load(const TargetDrawing& drawing, int samples_per_px) override {
     drawing_ = &drawing;
     samples_per_px_ = samples_per_px;
@@ -82,11 +82,13 @@ class GlCanvas final : public TargetCanvas {
   std::span<const Pixel> Samples() override { return samples_; }
 
  private:
-  static constexpr int kMaxSize = 2048;
+  static constexpr int kMaxColumns = 2048, kMaxRows = 1024;  // 24 MiB.
+  static constexpr int kStep = 256;                          // In which the buffers grow.
 
   void MakeProgram();
   void MakeBuffers();
   GLuint Compile(GLenum type, const char* source);
+  void Grow(int width, int height);
   void Begin(int width, int height);
   void DrawSurface(Surface surface, const std::vector<CanvasVertex>& vertices,
                    const ProjectedMesh::Triangles& triangles);
@@ -96,6 +98,7 @@ class GlCanvas final : public TargetCanvas {
   const GlFunctions& gl_;
   GLuint program_ = 0, vertex_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0;
   GLuint framebuffer_ = 0, colour_ = 0, depth_ = 0;
+  int columns_ = 0, rows_ = 0;  // Of colour_ and depth_.
   const TargetDrawing* drawing_ = nullptr;
   std::vector<Pixel> samples_;
 };
@@ -108,6 +111,7 @@ GlCanvas::GlCanvas(std::unique_ptr<GlContext> context)
   if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
     throw std::runtime_error("OpenGL offers no 16-bit framebuffer: " + DescribeGl(*context_));
   }
+  context_->Release();
 }
 
 GlCanvas::~GlCanvas() {
@@ -159,20 +163,28 @@ void GlCanvas::MakeBuffers() {
   gl_.EnableVertexAttribArray(0);
   gl_.EnableVertexAttribArray(1);
   gl_.GenRenderbuffers(1, &colour_);
-  gl_.BindRenderbuffer(GL_RENDERBUFFER, colour_);
-  gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA16, kMaxSize, kMaxSize);
   gl_.GenRenderbuffers(1, &depth_);
-  gl_.BindRenderbuffer(GL_RENDERBUFFER, depth_);
-  gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, kMaxSize, kMaxSize);
+  Grow(kStep, kStep);
   gl_.GenFramebuffers(1, &framebuffer_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
   gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
 }
 
+// Most targets need a small part of the largest buffers.
+void GlCanvas::Grow(int width, int height) {
+  columns_ = std::max(columns_, (width + kStep - 1) / kStep * kStep);
+  rows_ = std::max(rows_, (height + kStep - 1) / kStep * kStep);
+  gl_.BindRenderbuffer(GL_RENDERBUFFER, colour_);
+  gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA16, columns_, rows_);
+  gl_.BindRenderbuffer(GL_RENDERBUFFER, depth_);
+  gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, columns_, rows_);
+}
+
 void GlCanvas::Begin(int width, int height) {
-  if (width > kMaxSize || height > kMaxSize) throw std::logic_error("GlCanvas is too small");
+  if (width > kMaxColumns || height > kMaxRows) throw std::logic_error("GlCanvas is too small");
   context_->MakeCurrent();
+  if (width > columns_ || height > rows_) Grow(width, height);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl_.BindVertexArray(vertex_array_);
   gl_.UseProgram(program_);
@@ -227,6 +239,7 @@ void GlCanvas::Draw(const PixelRect& shown) {
               OnCanvas(drawing_->discs, target.disc_light, drawing_->disc_alphas, map),
               drawing_->discs.SeenTriangles());
   Read(width, height);
+  context_->Release();
 }
 
 }  // namespace

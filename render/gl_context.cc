@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <GL/osmesa.h>
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 namespace windhover {
@@ -18,6 +19,36 @@ constexpr int kOwnSize_px = 16;
 std::mutex& CreationMutex() {
   static std::mutex mutex;
   return mutex;
+}
+
+// Loaded when it is first needed: OSMesa and LLVM take 45 MiB, which the other rasteriser and most
+// programs do without. That stays loaded which threads may have begun to use.
+struct OsMesa {
+  OsMesa() {
+    void* library = dlopen("libOSMesa.so.8", RTLD_LAZY | RTLD_LOCAL);
+    if (library == nullptr) {
+      throw std::runtime_error(fmt::format("{} (is libosmesa6 installed?)", dlerror()));
+    }
+    const auto find = [library](const char* name) {
+      void* function = dlsym(library, name);
+      if (function == nullptr) throw std::runtime_error(fmt::format("OSMesa lacks {}", name));
+      return function;
+    };
+    create = reinterpret_cast<decltype(create)>(find("OSMesaCreateContextAttribs"));
+    destroy = reinterpret_cast<decltype(destroy)>(find("OSMesaDestroyContext"));
+    make_current = reinterpret_cast<decltype(make_current)>(find("OSMesaMakeCurrent"));
+    proc_address = reinterpret_cast<decltype(proc_address)>(find("OSMesaGetProcAddress"));
+  }
+
+  decltype(&OSMesaCreateContextAttribs) create;
+  decltype(&OSMesaDestroyContext) destroy;
+  decltype(&OSMesaMakeCurrent) make_current;
+  decltype(&OSMesaGetProcAddress) proc_address;
+};
+
+const OsMesa& Mesa() {
+  static const OsMesa mesa;
+  return mesa;
 }
 
 class OsMesaContext final : public GlContext {
@@ -36,7 +67,7 @@ class OsMesaContext final : public GlContext {
                                    OSMESA_CONTEXT_MINOR_VERSION,
                                    3,
                                    0};
-    context_ = OSMesaCreateContextAttribs(kAttributes, nullptr);
+    context_ = Mesa().create(kAttributes, nullptr);
     if (context_ == nullptr) {
       throw std::runtime_error("OSMesa offers no OpenGL 3.3 core context (is libosmesa6 broken?)");
     }
@@ -44,22 +75,24 @@ class OsMesaContext final : public GlContext {
   }
   ~OsMesaContext() override {
     const std::lock_guard lock(CreationMutex());
-    OSMesaDestroyContext(context_);
+    Mesa().destroy(context_);
   }
 
   void MakeCurrent() override {
-    if (!OSMesaMakeCurrent(context_, own_framebuffer_.data(), GL_UNSIGNED_BYTE, kOwnSize_px,
-                           kOwnSize_px)) {
+    if (!Mesa().make_current(context_, own_framebuffer_.data(), GL_UNSIGNED_BYTE, kOwnSize_px,
+                             kOwnSize_px)) {
       throw std::runtime_error("OSMesaMakeCurrent failed");
     }
   }
+
+  void Release() override { Mesa().make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
 
   const GlFunctions& gl() const override { return gl_; }
 
  private:
   void Load() {
-#define WINDHOVER_GL_LOAD(type, name)                                  \
-  gl_.name = reinterpret_cast<type>(OSMesaGetProcAddress("gl" #name)); \
+#define WINDHOVER_GL_LOAD(type, name)                                 \
+  gl_.name = reinterpret_cast<type>(Mesa().proc_address("gl" #name)); \
   if (gl_.name == nullptr) throw std::runtime_error("OSMesa lacks gl" #name);
     WINDHOVER_GL_FUNCTIONS(WINDHOVER_GL_LOAD)
 #undef WINDHOVER_GL_LOAD

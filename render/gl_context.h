@@ -10,13 +10,16 @@ namespace windhover {
 /// An OpenGL 3.3 core context without a window. What is drawn goes to framebuffer objects; the
 /// context's own framebuffer stays empty.
 ///
-/// A context serves one thread at a time; different threads use different contexts.
+/// A context serves one thread at a time.
 class GlContext {
  public:
   virtual ~GlContext() = default;
 
   /// Makes the context current on the calling thread. @throws std::runtime_error if it cannot.
   virtual void MakeCurrent() = 0;
+
+  /// Makes no context current on the calling thread, so that another one may use this.
+  virtual void Release() = 0;
 
   /// The GL functions; call them only on the thread on which the context is current.
   virtual const GlFunctions& gl() const = 0;

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config/fields.h"
+#include "common/image/image_codecs.h"
 #include "common/process/isolated.h"
 #include "render/mesh_builder.h"
 #include "render/mesh_materials.h"
@@ -191,6 +192,7 @@ MeshFile FileFrom(const std::string& bytes) {
 
 MeshFile ReadMeshFile(const std::filesystem::path& file) {
   CheckMeshFile(file);
+  Codecs();
   try {
     return FileFrom(
         RunIsolated(std::filesystem::file_size(file), [&] { return BytesFrom(ReadHere(file)); }));

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/config/fields.h"
+#include "common/image/image_codecs.h"
 #include "common/image/image_header.h"
 #include "render/mesh_builder.h"
 
@@ -33,7 +34,7 @@ cv::Mat Decoded(const aiScene& scene, const std::string& name,
       const int n = static_cast<int>(embedded->mWidth);
       if (embedded->mHeight == 0) {
         CheckImageHeader({reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth});
-        image = cv::imdecode(cv::Mat(1, n, CV_8U, embedded->pcData), cv::IMREAD_COLOR);
+        image = Codecs().imdecode(cv::Mat(1, n, CV_8U, embedded->pcData), cv::IMREAD_COLOR);
       } else {  // Blue, green, red, alpha.
         const cv::Mat raw(static_cast<int>(embedded->mHeight), n, CV_8UC4, embedded->pcData);
         cv::cvtColor(raw, image, cv::COLOR_BGRA2BGR);
@@ -41,7 +42,7 @@ cv::Mat Decoded(const aiScene& scene, const std::string& name,
     } else {
       const std::filesystem::path file = folder / name;
       CheckImageFile(file);
-      image = cv::imread(file.string(), cv::IMREAD_COLOR);
+      image = Codecs().imread(file.string(), cv::IMREAD_COLOR);
     }
   } catch (const cv::Exception& error) {
     throw MeshFileError(fmt::format("texture '{}' cannot be decoded: {}", name, error.err));

@@ -95,19 +95,19 @@ void StereoRenderer::DrawTargets(const world_truth_t& world, EyeView* eye, Targe
   }
 }
 
-// Through OpenGL both eyes of an observer are one task.
+// Through OpenGL all eyes are one task: a second context would take 60 MiB and draw no sooner.
 void StereoRenderer::DrawTask(const world_truth_t& world, int task, int worker) {
-  std::unique_ptr<TargetPass>& pass = passes_[static_cast<std::size_t>(worker)];
+  const bool is_one = DrawsOneAtATime(scenario_);
+  std::unique_ptr<TargetPass>& pass = passes_[is_one ? 0 : static_cast<std::size_t>(worker)];
   if (pass == nullptr) {
     pass = MakeTargetPass(scenario_.render.rasteriser, scenario_.exposure.max_blur_px);
   }
-  if (!DrawsOneAtATime(scenario_)) return DrawTargets(world, EyeOf(task), pass.get());
-  DrawTargets(world, EyeOf(2 * task), pass.get());
-  DrawTargets(world, EyeOf(2 * task + 1), pass.get());
+  if (!is_one) return DrawTargets(world, EyeOf(task), pass.get());
+  for (int i = 0; i < CountEyes(); ++i) DrawTargets(world, EyeOf(i), pass.get());
 }
 
 void StereoRenderer::DrawParts(const world_truth_t& world) {
-  const int n_draw = CountEyes() / (DrawsOneAtATime(scenario_) ? 2 : 1);
+  const int n_draw = DrawsOneAtATime(scenario_) ? 1 : CountEyes();
   const int n_bands = keeps_surroundings_ ? CountEyes() * kBands : 0;
   const auto [width_px, height_px] = scenario_.rig.calibrated.image;
   const auto n_values =

@@ -69,7 +69,8 @@ class StereoRenderer {
   Sensor sensor_;
   std::map<const AircraftShape*, PreparedModel> models_;
   std::vector<std::unique_ptr<StereoView>> views_;
-  std::vector<std::unique_ptr<TargetPass>> passes_;  ///< One a thread, made at first use.
+  std::vector<std::unique_ptr<TargetPass>>
+      passes_;  ///< One a thread (OSMesa: one), made at first use.
   std::vector<RgbImage> spare_images_;
 };
 

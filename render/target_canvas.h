@@ -24,7 +24,7 @@ struct TargetDrawing {
 
 /// Turns a target's triangles into samples: light and coverage at points of the image.
 ///
-/// One per thread that draws.
+/// Serves one thread at a time, and any.
 class TargetCanvas {
  public:
   /// Linear light times coverage, and coverage; 65535 is white, and opaque.

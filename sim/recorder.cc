@@ -12,6 +12,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/message_types.h"
 #include "common/bus/truth_channels.h"
+#include "common/image/image_codecs.h"
 #include "lcmtypes/stereo_frame_t.hpp"
 
 namespace windhover {
@@ -40,7 +41,7 @@ image_t JpegFromImage(const image_t& image) {
   cv::Mat coded = view;
   if (!is_gray) cv::cvtColor(view, coded, cv::COLOR_RGB2BGR);
   image_t jpeg = image;
-  cv::imencode(".jpg", coded, jpeg.data, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  Codecs().imencode(".jpg", coded, jpeg.data, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
   jpeg.size = static_cast<std::int32_t>(jpeg.data.size());
   jpeg.row_stride = 0;
   jpeg.pixelformat = image_t::PIXEL_FORMAT_MJPEG;

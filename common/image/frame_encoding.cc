@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/image/image_codecs.h"
+
 namespace windhover {
 namespace {
 
@@ -40,7 +42,7 @@ std::vector<std::uint8_t> Jpeg(const RgbImage& image, const FrameFormat& format)
     cv::cvtColor(MatOf(image), coded, cv::COLOR_RGB2BGR);
   }
   std::vector<std::uint8_t> jpeg;
-  if (!cv::imencode(".jpg", coded, jpeg, {cv::IMWRITE_JPEG_QUALITY, format.jpeg_quality})) {
+  if (!Codecs().imencode(".jpg", coded, jpeg, {cv::IMWRITE_JPEG_QUALITY, format.jpeg_quality})) {
     throw std::runtime_error("a frame could not be encoded as JPEG");
   }
   return jpeg;
@@ -79,7 +81,7 @@ RgbImage AsReceived(RgbImage image, const FrameFormat& format) {
     cv::cvtColor(cv::Mat(image.height_px, image.width_px, CV_8UC1, mosaic.data()), MatOf(image),
                  cv::COLOR_BayerBG2RGB);
   } else if (format.jpeg_quality > 0) {
-    const cv::Mat bgr = cv::imdecode(Jpeg(image, format), cv::IMREAD_COLOR);
+    const cv::Mat bgr = Codecs().imdecode(Jpeg(image, format), cv::IMREAD_COLOR);
     cv::cvtColor(bgr, MatOf(image), cv::COLOR_BGR2RGB);
   } else if (format.is_grey) {
     std::vector<std::uint8_t> green = Green(image);

@@ -3,14 +3,16 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
+
+#include "common/image/image_codecs.h"
 
 namespace windhover {
 
 void WriteImageFile(const cv::Mat& image, const std::filesystem::path& file) {
   bool written = false;
   try {
-    written = cv::imwrite(file.string(), image);
+    written = Codecs().imwrite(file.string(), image, {});
   } catch (const cv::Exception& error) {
     throw std::runtime_error(fmt::format("{}: {}", file.string(), error.what()));
   }

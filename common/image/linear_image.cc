@@ -9,6 +9,7 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/image/image_codecs.h"
 #include "common/image/image_header.h"
 #include "common/image/srgb.h"
 #include "common/process/isolated.h"
@@ -29,7 +30,7 @@ std::string DecodeHere(const std::string& file) {
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", /*overwrite=*/1);  // Off by default since 4.5.
   cv::Mat image;
   try {
-    image = cv::imread(file, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+    image = Codecs().imread(file, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
   } catch (const cv::Exception& error) {
     throw ConfigError(fmt::format("image cannot be decoded: {}", error.err));
   }
@@ -48,6 +49,7 @@ cv::Mat Decode(const InputFile& file, std::string* bytes) {
   MatHeader header{};
   try {
     CheckImageFile(file.absolute);
+    Codecs();
     *bytes = RunIsolated(std::filesystem::file_size(file.absolute),
                          [&] { return DecodeHere(file.absolute); });
   } catch (const ConfigError& error) {
