@@ -11,6 +11,7 @@
 #include "common/config/enum_name.h"
 #include "common/file/sha256.h"
 #include "common/file/whole_file.h"
+#include "common/image/image_codecs.h"
 #include "dataset/box_text.h"
 #include "dataset/export.h"
 
@@ -90,7 +91,7 @@ void DataCard::CountTargets(const LabelledPair& pair, Counts* counts) const {
 
 void DataCard::AddThumbnail(const LabelledPair& pair, const fs::path& image) {
   constexpr int kWidth_px = 480;
-  const cv::Mat whole = cv::imread((plan_.folder / image).string(), cv::IMREAD_COLOR);
+  const cv::Mat whole = Codecs().imread((plan_.folder / image).string(), cv::IMREAD_COLOR);
   if (whole.empty()) {
     throw std::runtime_error(fmt::format("{}: cannot be read", (plan_.folder / image).string()));
   }
@@ -129,7 +130,7 @@ void DataCard::WriteContactSheet() const {
         sheet({i % kColumns * cell.width, i / kColumns * cell.height, cell.width, cell.height}));
   }
   std::vector<std::uint8_t> png;
-  cv::imencode(".png", sheet, png);
+  Codecs().imencode(".png", sheet, png, {});
   ReplaceFile(plan_.folder / "contact_sheet.png",
               {reinterpret_cast<const char*>(png.data()), png.size()});
 }

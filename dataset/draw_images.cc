@@ -13,6 +13,7 @@
 #include "common/bus/truth_channels.h"
 #include "common/file/whole_file.h"
 #include "common/image/frame_encoding.h"
+#include "common/image/image_codecs.h"
 #include "render/frame_digest.h"
 #include "render/parallel_for.h"
 #include "render/stereo_renderer.h"
@@ -52,8 +53,9 @@ std::string Encoded(RgbImage image, const fs::path& file, bool grey, int jpeg_qu
                grey ? cv::COLOR_RGB2GRAY : cv::COLOR_RGB2BGR);
   std::vector<std::uint8_t> bytes;
   // PNG at its fastest: noise does not compress, however long one tries.
-  if (!cv::imencode(file.extension().string(), coded, bytes,
-                    {cv::IMWRITE_JPEG_QUALITY, jpeg_quality, cv::IMWRITE_PNG_COMPRESSION, 1})) {
+  if (!Codecs().imencode(
+          file.extension().string(), coded, bytes,
+          {cv::IMWRITE_JPEG_QUALITY, jpeg_quality, cv::IMWRITE_PNG_COMPRESSION, 1})) {
     throw std::runtime_error(fmt::format("{}: cannot be encoded", file.string()));
   }
   return {bytes.begin(), bytes.end()};
