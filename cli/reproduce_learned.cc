@@ -52,6 +52,18 @@ Json GainOver(const std::vector<double>& scratch, const std::vector<double>& pre
   return json;
 }
 
+/// The cells of a row of `plan.n_tuples[n]`, their keys after `prefix`.
+void AddLearner(const std::string& prefix, const PretrainingScores::Learner& scores,
+                const PretrainingPlan& plan, std::size_t n, Json* row) {
+  (*row)[prefix + "scratch"] = MeanOver(scores.scratch[n]);
+  for (std::size_t s = 0; s < plan.sources.size(); ++s) {
+    // A row's preset is its base's description (BaseOf).
+    const std::string& preset = plan.sources[s].description;
+    (*row)[prefix + "pretrained_" + preset] = MeanOver(scores.pretrained[s][n]);
+    (*row)[prefix + "gain_" + preset] = GainOver(scores.scratch[n], scores.pretrained[s][n]);
+  }
+}
+
 }  // namespace
 
 void AddLearnedAudits(const PcmRecipe& recipe, const ReproduceOptions& options, Json* audits) {
@@ -81,6 +93,7 @@ PretrainingPlan PretrainingOf(Effort effort, const std::filesystem::path& scenar
   plan.unseen = Base("uavde_12mm", kUnseen, scenarios);
   if (effort == Effort::kQuick) {
     plan.recipe.epochs /= 3;
+    plan.joint_mlp.epochs /= 3;
   } else {
     plan.n_tuples = {0, 20, 50, 100, 200, 500, 1000, 2000};
   }
@@ -100,22 +113,16 @@ Json ReproducePretraining(PretrainingPlan plan, const ReproduceOptions& options)
   for (std::size_t n = 0; n < plan.n_tuples.size(); ++n) {
     Json row = {{"method", fmt::format("{} tuples", plan.n_tuples[n])},
                 {"n_tuples", plan.n_tuples[n]}};
-    for (std::size_t s = 0; s < plan.sources.size(); ++s) {
-      // A row's preset is its base's description (BaseOf).
-      row["pretrained_" + plan.sources[s].description] = MeanOver(scores.pretrained[s][n]);
-    }
-    row["scratch"] = MeanOver(scores.scratch[n]);
+    AddLearner("", scores.pcm, plan, n, &row);
     row["offset1"] = MeanOver(scores.offset1[n]);
-    for (std::size_t s = 0; s < plan.sources.size(); ++s) {
-      row["gain_" + plan.sources[s].description] =
-          GainOver(scores.scratch[n], scores.pretrained[s][n]);
-    }
+    AddLearner("joint_mlp_", scores.joint_mlp, plan, n, &row);
     rows.push_back(std::move(row));
   }
   return {{"table", "pretraining"},
           {"meaning",
            "Abs Rel behind a rig that was not learned on, by how many of its tuples are had: pcm "
-           "fine-tuned after pre-training, from scratch, and one offset. Not of the paper; 95 % "
+           "and the joint network fine-tuned after pre-training, from scratch, and one offset. Not "
+           "of the paper; 95 % "
            "intervals are Student's t over data sets."},
           {"unseen", kUnseen},
           {"seeds", plan.n_seeds},

@@ -15,8 +15,8 @@ void AddLearnedAudits(const PcmRecipe& recipe, const ReproduceOptions& options,
 PretrainingPlan PretrainingOf(Effort effort, const std::filesystem::path& scenarios);
 
 /// Does pre-training pay? {"table", "unseen", "rows": [{"method", "n_tuples",
-/// "pretrained_pretrain", "pretrained_uavde_12mm", "scratch", "offset1", "gain_…"}]}: Abs Rel on
-/// the test flights as
+/// "pretrained_pretrain", "pretrained_uavde_12mm", "scratch", "offset1", "gain_…", and the same of
+/// joint_mlp as "joint_mlp_…"}]}: Abs Rel on the test flights as
 /// {"mean", "ci95"}, Student's t over data sets; a gain is the error from scratch less the
 /// pre-trained one, of the same data sets, with a verdict in words. Seeds and threads are those of
 /// `options`.

@@ -11,15 +11,6 @@ namespace {
 
 using Samples = std::vector<PcmSample>;
 
-struct Data {
-  Samples train, val, test;
-
-  Data(const TupleSplits& tuples, const StereoRig& rig)
-      : train(SamplesOf(tuples.train, rig)),
-        val(SamplesOf(tuples.val, rig)),
-        test(SamplesOf(tuples.test, rig)) {}
-};
-
 const std::vector<std::string> kNoMisalignment = {"rig.misalignment.offset_px=0",
                                                   "rig.misalignment.yaw_deg=0",
                                                   "rig.misalignment.pitch_deg=0",
@@ -35,13 +26,13 @@ const std::vector<std::string> kNothingButMisalignment = {"rig.misalignment.rand
                                                           "geometric.gross_rate=0",
                                                           "score.reference=range"};
 
-PcmStages Trained(const Data& data, const PcmRecipe& recipe) {
+PcmStages Trained(const SampleSplits& data, const PcmRecipe& recipe) {
   PcmTrainer trainer(data.train, data.val, recipe);
   trainer.Finish();
   return trainer.Best();
 }
 
-AuditFinding Ask(const std::string& question, const Data& data, const PcmStages& pcm) {
+AuditFinding Ask(const std::string& question, const SampleSplits& data, const PcmStages& pcm) {
   return {question, ScoreOffset(data.test, 0).abs_rel,
           ScoreOffset(data.test, MedianOffset(data.train)).abs_rel,
           ScorePcm(pcm, FurtherStages::kNone, data.test).abs_rel, ""};
@@ -106,36 +97,36 @@ std::vector<AuditFinding> Audit(const StereoRig& rig, const PcmRecipe& one,
                                 const DrawAudited& draw) {
   PcmRecipe recipe = one;
   recipe.n_stages = 1;
-  const Data data(draw({}), rig);
+  const SampleSplits data = SamplesOf(draw({}), rig);
   const PcmStages pcm = Trained(data, recipe);
   std::vector<AuditFinding> findings = {Ask("as it is", data, pcm)};
   const double whole = findings[0].pcm;
   findings[0].verdict = whole < findings[0].offset1 ? "better than one constant offset"
                                                     : "no better than one constant offset";
 
-  Data without = data;
+  SampleSplits without = data;
   for (Samples* part : {&without.train, &without.val, &without.test}) ChangeBoxes(DropSizes, part);
   findings.push_back(Ask("without widths and heights", without, Trained(without, recipe)));
   findings.back().verdict = WithoutSizes(whole, findings.back());
 
-  Data shuffled = data;
+  SampleSplits shuffled = data;
   ShuffleSizes(&shuffled.test);
   findings.push_back(Ask("sizes of other boxes", shuffled, pcm));
   findings.back().verdict = Elsewhere("sizes of other boxes", whole, findings.back());
 
-  Data larger = data;
+  SampleSplits larger = data;
   ChangeBoxes(Enlarge, &larger.test);
   findings.push_back(Ask("a target 1.4 times as large", larger, pcm));
   findings.back().verdict = Elsewhere("larger targets", whole, findings.back());
 
-  const Data shaken(draw(kNoMisalignment), rig);
+  const SampleSplits shaken = SamplesOf(draw(kNoMisalignment), rig);
   findings.push_back(Ask("vibration and noise alone", shaken, Trained(shaken, recipe)));
   AuditFinding& vibration = findings.back();
   vibration.verdict = vibration.pcm < 0.9 * vibration.baseline
                           ? "learns sizes: what shakes has no offset to learn"
                           : "learns nothing: what shakes has no offset to learn";
 
-  const Data still(draw(kNothingButMisalignment), rig);
+  const SampleSplits still = SamplesOf(draw(kNothingButMisalignment), rig);
   findings.push_back(Ask("misalignment alone", still, Trained(still, recipe)));
   AuditFinding& offset = findings.back();
   offset.verdict = offset.offset1 <= offset.pcm

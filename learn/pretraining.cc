@@ -15,14 +15,8 @@ namespace {
 
 using Samples = std::vector<PcmSample>;
 
-struct SampleSplits {
-  Samples train, val, test;
-};
-
 SampleSplits Drawn(const Scenario& base, std::uint64_t seed, int threads) {
-  const TupleSplits tuples = DrawTuples(base, seed, threads);
-  const StereoRig rig = base.rig.calibrated.ToStereoRig();
-  return {SamplesOf(tuples.train, rig), SamplesOf(tuples.val, rig), SamplesOf(tuples.test, rig)};
+  return SamplesOf(DrawTuples(base, seed, threads), base.rig.calibrated.ToStereoRig());
 }
 
 struct Data {
@@ -30,27 +24,68 @@ struct Data {
   SampleSplits unseen;
 };
 
-/// Abs Rel of one training, by number of tuples.
-struct Outcome {
-  std::vector<std::vector<double>> pretrained;
-  std::vector<double> scratch, offset1;
+/// How one training goes.
+struct Course {
+  int epochs, validate_every;
+  std::uint64_t seed;
 };
 
-double AbsRel(const PcmStages& stages, const Samples& samples) {
-  return ScorePcm(stages, FurtherStages::kNone, samples).abs_rel;
-}
+/// pcm, one stage.
+struct PcmStudent {
+  using Model = PcmStages;
+  PcmRecipe recipe;
+  double fine_tuning_rate;
 
-PcmStages Trained(const Samples& train, const Samples& val, const PcmRecipe& recipe,
-                  const std::optional<PcmStages>& start) {
-  PcmTrainer trainer(train, val, recipe, start);
-  const PcmStages before = trainer.Best();
-  trainer.Finish();
-  const PcmStages after = trainer.Best();
-  return AbsRel(after, val) < AbsRel(before, val) ? after : before;
-}
+  static double AbsRel(const Model& stages, const Samples& samples) {
+    return ScorePcm(stages, FurtherStages::kNone, samples).abs_rel;
+  }
+  Model Trained(const Samples& train, const Samples& val, const Course& course,
+                const std::optional<Model>& start) const {
+    PcmRecipe own = recipe;
+    own.n_stages = 1;
+    own.epochs = course.epochs;
+    own.validate_every = course.validate_every;
+    own.seed = course.seed;
+    if (start) own.optimiser.rate = fine_tuning_rate;
+    PcmTrainer trainer(train, val, own, start);
+    const Model before = trainer.Best();
+    trainer.Finish();
+    const Model after = trainer.Best();
+    return AbsRel(after, val) < AbsRel(before, val) ? after : before;
+  }
+};
 
-int BatchesOf(const Samples& samples, const PcmRecipe& recipe) {
-  return std::max(1, (static_cast<int>(samples.size()) + recipe.batch - 1) / recipe.batch);
+struct JointStudent {
+  using Model = JointMlp;
+  JointMlpRecipe recipe;
+  double fine_tuning_rate;
+
+  static double AbsRel(const Model& mlp, const Samples& samples) {
+    return ScoreJointMlp(mlp, samples).abs_rel;
+  }
+  Model Trained(const Samples& train, const Samples& val, const Course& course,
+                const std::optional<Model>& start) const {
+    JointMlpRecipe own = recipe;
+    own.epochs = course.epochs;
+    own.validate_every = course.validate_every;
+    own.seed = course.seed;
+    if (start) own.rate = fine_tuning_rate;
+    return TrainJointMlp(train, val, own, start);
+  }
+};
+
+/// Abs Rel of one training, by number of tuples.
+struct Outcome {
+  struct Learner {
+    std::vector<std::vector<double>> pretrained;
+    std::vector<double> scratch;
+  };
+  Learner pcm, joint_mlp;
+  std::vector<double> offset1;
+};
+
+int BatchesOf(const Samples& samples, int batch) {
+  return std::max(1, (static_cast<int>(samples.size()) + batch - 1) / batch);
 }
 
 /// The first n of these are what somebody recorded who has n; more hold what fewer held.
@@ -71,46 +106,53 @@ SampleSplits FirstOf(const Samples& shuffled, int n) {
   return first;
 }
 
-/// Trains for `n_steps`, however few the samples are.
-double TrainedAbsRel(const SampleSplits& few, const Samples& test, PcmRecipe recipe, int n_steps,
-                     const std::optional<PcmStages>& start) {
-  constexpr int kLooks = 60;
-  recipe.epochs = std::max(1, n_steps / BatchesOf(few.train, recipe));
-  recipe.validate_every = std::max(1, recipe.epochs / kLooks);
-  return AbsRel(Trained(few.train, few.val, recipe, start), test);
-}
-
 double OffsetAbsRel(const SampleSplits& few, const Samples& test) {
   Samples all = few.train;
   all.insert(all.end(), few.val.begin(), few.val.end());
   return ScoreOffset(test, MedianOffset(all)).abs_rel;
 }
 
-Outcome TryOnce(const PretrainingPlan& plan, const Data& data, std::uint64_t seed) {
-  PcmRecipe recipe = plan.recipe, gentle;
-  recipe.n_stages = 1;
-  recipe.seed = seed;
-  gentle = recipe;
-  gentle.optimiser.rate = plan.fine_tuning_rate;
-  std::vector<PcmStages> starts;
+template <typename Student>
+Outcome::Learner Try(const Student& student, const PretrainingPlan& plan, const Data& data,
+                     std::uint64_t seed) {
+  constexpr int kLooks = 60;
+  using Model = typename Student::Model;
+  const auto& recipe = student.recipe;
+  std::vector<Model> starts;
   for (const SampleSplits& source : data.sources) {
-    starts.push_back(Trained(source.train, source.val, recipe, std::nullopt));
+    const Course course{recipe.epochs, recipe.validate_every, seed};
+    starts.push_back(student.Trained(source.train, source.val, course, std::nullopt));
   }
-  const int n_steps = recipe.epochs * BatchesOf(data.sources.front().train, recipe);
+  // As many steps, however few the samples are.
+  const int n_steps = recipe.epochs * BatchesOf(data.sources.front().train, recipe.batch);
   const Samples& test = data.unseen.test;
   const Samples shuffled = Shuffled(data.unseen.train, seed);
-  Outcome outcome{
-      .pretrained = std::vector<std::vector<double>>(starts.size()), .scratch = {}, .offset1 = {}};
+  Outcome::Learner outcome{.pretrained = std::vector<std::vector<double>>(starts.size()),
+                           .scratch = {}};
   for (const int n : plan.n_tuples) {
     const SampleSplits few = FirstOf(shuffled, n);
+    const int epochs = std::max(1, n_steps / BatchesOf(few.train, recipe.batch));
+    const Course course{epochs, std::max(1, epochs / kLooks), seed};
+    const auto tried = [&](const std::optional<Model>& start) {
+      return student.AbsRel(student.Trained(few.train, few.val, course, start), test);
+    };
     for (std::size_t s = 0; s < starts.size(); ++s) {
-      outcome.pretrained[s].push_back(
-          n == 0 ? AbsRel(starts[s], test) : TrainedAbsRel(few, test, gentle, n_steps, starts[s]));
+      outcome.pretrained[s].push_back(n == 0 ? student.AbsRel(starts[s], test) : tried(starts[s]));
     }
-    const double triangulated = ScoreOffset(test, 0).abs_rel;
-    outcome.scratch.push_back(n == 0 ? triangulated
-                                     : TrainedAbsRel(few, test, recipe, n_steps, std::nullopt));
-    outcome.offset1.push_back(n == 0 ? triangulated : OffsetAbsRel(few, test));
+    outcome.scratch.push_back(n == 0 ? ScoreOffset(test, 0).abs_rel : tried(std::nullopt));
+  }
+  return outcome;
+}
+
+Outcome TryOnce(const PretrainingPlan& plan, const Data& data, std::uint64_t seed) {
+  Outcome outcome;
+  outcome.pcm = Try(PcmStudent{plan.recipe, plan.fine_tuning_rate}, plan, data, seed);
+  outcome.joint_mlp = Try(JointStudent{plan.joint_mlp, plan.fine_tuning_rate}, plan, data, seed);
+  const Samples& test = data.unseen.test;
+  const Samples shuffled = Shuffled(data.unseen.train, seed);
+  for (const int n : plan.n_tuples) {
+    outcome.offset1.push_back(n == 0 ? ScoreOffset(test, 0).abs_rel
+                                     : OffsetAbsRel(FirstOf(shuffled, n), test));
   }
   return outcome;
 }
@@ -121,6 +163,14 @@ void Add(const std::vector<double>& by_tuples, std::size_t data_set, double shar
   for (std::size_t n = 0; n < by_tuples.size(); ++n) {
     (*curve)[n][data_set] += by_tuples[n] * share;
   }
+}
+
+void Add(const Outcome::Learner& outcome, std::size_t data_set, double share,
+         PretrainingScores::Learner* scores) {
+  for (std::size_t s = 0; s < outcome.pretrained.size(); ++s) {
+    Add(outcome.pretrained[s], data_set, share, &scores->pretrained[s]);
+  }
+  Add(outcome.scratch, data_set, share, &scores->scratch);
 }
 
 }  // namespace
@@ -145,17 +195,15 @@ PretrainingScores TryPretraining(const PretrainingPlan& plan,
     on_step();
   });
   const PretrainingScores::Curve none(plan.n_tuples.size(), std::vector<double>(data.size()));
-  PretrainingScores scores{
+  const PretrainingScores::Learner nothing{
       .pretrained = std::vector<PretrainingScores::Curve>(plan.sources.size(), none),
-      .scratch = none,
-      .offset1 = none};
+      .scratch = none};
+  PretrainingScores scores{.pcm = nothing, .joint_mlp = nothing, .offset1 = none};
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const std::size_t set = i / static_cast<std::size_t>(n_trainings);
     const double share = 1.0 / n_trainings;
-    for (std::size_t s = 0; s < plan.sources.size(); ++s) {
-      Add(outcomes[i].pretrained[s], set, share, &scores.pretrained[s]);
-    }
-    Add(outcomes[i].scratch, set, share, &scores.scratch);
+    Add(outcomes[i].pcm, set, share, &scores.pcm);
+    Add(outcomes[i].joint_mlp, set, share, &scores.joint_mlp);
     Add(outcomes[i].offset1, set, share, &scores.offset1);
   }
   return scores;

@@ -99,10 +99,13 @@ std::vector<PcmSample> SamplesOf(std::span<const StereoTuple> tuples, const Ster
   return samples;
 }
 
+SampleSplits SamplesOf(const TupleSplits& tuples, const StereoRig& rig) {
+  return {SamplesOf(tuples.train, rig), SamplesOf(tuples.val, rig), SamplesOf(tuples.test, rig)};
+}
+
 TrainedCard TrainCard(const CardPlan& plan,
                       const std::function<bool(int done, int total)>& on_epoch) {
-  const auto train = SamplesOf(plan.tuples.train, plan.rig);
-  const auto val = SamplesOf(plan.tuples.val, plan.rig);
+  const auto [train, val, test] = SamplesOf(plan.tuples, plan.rig);
   PcmTrainer trainer = MakeTrainer(plan, train, val);
   if (plan.resume) trainer.Restore(ReadState(plan.state_file), plan.state_file.string());
   TrainedCard trained;
@@ -127,9 +130,8 @@ TrainedCard TrainCard(const CardPlan& plan,
   }
   provenance["tuples"] = {
       {"train", train.size()}, {"val", val.size()}, {"test", plan.tuples.test.size()}};
-  provenance["scores"] = {
-      {"val", ScoresJson(trained.card, val)},
-      {"test", ScoresJson(trained.card, SamplesOf(plan.tuples.test, plan.rig))}};
+  provenance["scores"] = {{"val", ScoresJson(trained.card, val)},
+                          {"test", ScoresJson(trained.card, test)}};
   return trained;
 }
 

@@ -15,6 +15,11 @@ namespace windhover {
 /// Tuples as corrections take them; those without rays are left out.
 std::vector<PcmSample> SamplesOf(std::span<const StereoTuple> tuples, const StereoRig& rig);
 
+struct SampleSplits {
+  std::vector<PcmSample> train, val, test;
+};
+SampleSplits SamplesOf(const TupleSplits& tuples, const StereoRig& rig);
+
 struct CardPlan {
   StereoRig rig;
   TupleSplits tuples;

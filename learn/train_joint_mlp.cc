@@ -93,7 +93,7 @@ float JointMlpLoss(const JointMlp& mlp, const MatrixXf& inputs, const VectorXf& 
 }
 
 JointMlp TrainJointMlp(std::span<const PcmSample> train, std::span<const PcmSample> val,
-                       const JointMlpRecipe& recipe) {
+                       const JointMlpRecipe& recipe, const std::optional<JointMlp>& start) {
   const auto n = static_cast<Eigen::Index>(train.size());
   MatrixXf inputs(kInputs, n);
   VectorXf log_m(n);
@@ -103,7 +103,7 @@ JointMlp TrainJointMlp(std::span<const PcmSample> train, std::span<const PcmSamp
     log_m[i] = std::log(sample.label_m);
   }
   RandomStream random(recipe.seed, "joint_mlp");
-  JointMlp mlp(Initial(inputs, log_m, &random));
+  JointMlp mlp = start ? *start : JointMlp(Initial(inputs, log_m, &random));
   Optimiser optimiser({.kind = OptimiserKind::kAdamW,
                        .rate = recipe.rate,
                        .momentum = 0.9,
@@ -128,6 +128,7 @@ JointMlp TrainJointMlp(std::span<const PcmSample> train, std::span<const PcmSamp
       if (!optimiser.Step(rate, gradient, &next.weights)) return best;
       mlp = JointMlp(std::move(next));
     }
+    if ((epoch + 1) % recipe.validate_every != 0 && epoch + 1 != recipe.epochs) continue;
     const double now = ScoreJointMlp(mlp, val).abs_rel;
     if (!(now < best_val)) continue;
     best_val = now;

@@ -10,20 +10,10 @@
 
 #include "estimator/pcm.h"
 #include "learn/optimiser.h"
+#include "learn/pcm_loss.h"
+#include "learn/pcm_score.h"
 
 namespace windhover {
-
-/// A detection to learn from.
-struct PcmSample {
-  CorrectableBoxes boxes;
-  float label_m;
-};
-
-/// What a correction is punished for, of its distance d and the label d*.
-enum class PcmLoss {
-  kSquared,  ///< (d - d*)², the paper's.
-  kLog,      ///< Huber's function of log(d / d*), linear beyond 0.1.
-};
 
 /// How to train position correction modules. Each stage and each gate follows the gradient of its
 /// own loss, as in the authors' code; stage i > 0 and gate i see what stage i - 1 has corrected.
@@ -91,23 +81,5 @@ class PcmTrainer {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Scores of an estimator on samples, as the paper's tables have them. What is no distance counts
-/// as an error of 1.
-struct PcmScore {
-  double abs_rel = 0, sq_rel = 0;
-  double lt20 = 0, gt20 = 0;  ///< Abs Rel of labels below and above 20 m.
-  double rms_rel = 0;         ///< Root mean square of the relative error.
-  double n_stages = 0;        ///< Mean.
-};
-
-struct RangedSample {
-  float range_m, label_m;
-  int n_stages;
-};
-PcmScore Score(std::span<const RangedSample> samples);
-
-PcmScore ScorePcm(const PcmStages& stages, FurtherStages further,
-                  std::span<const PcmSample> samples);
 
 }  // namespace windhover

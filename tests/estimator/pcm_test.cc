@@ -160,6 +160,46 @@ TEST(JointMlp, WithoutWeightsTheBiasesAreAll) {
   EXPECT_NEAR(mlp.Estimate({Box(700, 400, 200, 60)})->range_m, 15, 1e-5);
 }
 
+TEST(JointMlp, InputsOfAWorkedExample) {
+  const CorrectableBoxes boxes{.x = {0.7f, 0.6f},
+                               .y = {0.55f, 0.45f},
+                               .w = {0.2f, 0.05f},
+                               .h = {0.4f, 0.1f},
+                               .range_m = 2,
+                               .image_width_px = 1280,
+                               .image_height_px = 640};
+  const JointMlp::Inputs inputs = JointMlp::InputsOf(boxes);
+  EXPECT_NEAR(inputs[0], std::log(20.0), 1e-5);  // 2 / 0.1
+  EXPECT_NEAR(inputs[1], std::log(0.05), 1e-6);  // √(0.2 · 0.05) / 2
+  EXPECT_NEAR(inputs[2], std::log(0.05), 1e-6);  // √(0.4 · 0.1) · 640/1280 / 2
+  EXPECT_NEAR(inputs[3], 0.15, 1e-6);            // Middle of both, from the image's.
+  EXPECT_NEAR(inputs[4], 0, 1e-6);
+  EXPECT_NEAR(inputs[5], 0.05, 1e-6);
+  EXPECT_NEAR(inputs[6], std::log(4.0), 1e-6);
+  EXPECT_NEAR(inputs[7], std::log(4.0), 1e-6);
+  // Less than 5 px of disparity is as 5 px.
+  CorrectableBoxes far = boxes;
+  far.x[1] = 0.7f - 1.0f / 1280;
+  EXPECT_NEAR(JointMlp::InputsOf(far)[0], std::log(2 * 1280 / 5.0), 1e-5);
+}
+
+TEST(JointMlp, OnePathThroughBothLayers) {
+  JointMlp::Parameters mlp = SomeMlp();
+  mlp.mean.setZero();
+  mlp.mean[2] = 1;
+  constexpr int kHidden = JointMlp::kHidden, kFirst = kHidden * (JointMlp::kInputs + 1);
+  mlp.weights[5 * JointMlp::kInputs + 2] = 4;             // Input 2 to unit 5,
+  mlp.weights[kFirst + 7 * kHidden + 5] = -3;             // to unit 7 of the second layer,
+  mlp.weights[kFirst + kHidden * kHidden + 7] = 0.25f;    // with its bias,
+  mlp.weights[kFirst + kHidden * (kHidden + 1) + 7] = 2;  // to the answer.
+  JointMlp::Inputs inputs = JointMlp::Inputs::Zero();
+  inputs[2] = 2;
+  const auto silu = [](double x) { return x / (1 + std::exp(-x)); };
+  const double unit = (2.0 - 1) / 2;
+  EXPECT_NEAR(JointMlp(mlp).LogRange(inputs),
+              std::log(5.0) + std::log(3.0) + 2 * silu(-3 * silu(4 * unit) + 0.25), 1e-6);
+}
+
 CorrectionCard SomeCard() {
   CorrectionCard card;
   card.priors = FittedPriors{.offset_px = 72.8, .size_log_m = 8.1};

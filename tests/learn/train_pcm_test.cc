@@ -102,6 +102,116 @@ TEST(MixerKernel, IsThePassOfOneBoxWhateverTheInstructions) {
   }
 }
 
+TEST(PcmScore, OfAWorkedExample) {
+  // Errors of 20 %, 0 and, for no distance, 1.
+  const RangedSample samples[] = {{12, 10, 1}, {30, 30, 2}, {-5, 40, 3}};
+  const PcmScore score = Score(samples);
+  EXPECT_NEAR(score.abs_rel, 1.2 / 3, 1e-6);
+  EXPECT_NEAR(score.sq_rel, (4.0 / 10 + 40) / 3, 1e-5);
+  EXPECT_NEAR(score.lt20, 0.2, 1e-6);
+  EXPECT_NEAR(score.gt20, 0.5, 1e-6);
+  EXPECT_NEAR(score.rms_rel, std::sqrt(1.04 / 3), 1e-6);
+  EXPECT_EQ(score.n_stages, 2);
+}
+
+TEST(PcmLoss, SlopesAreThoseOfDifferences) {
+  CorrectableBoxes boxes = Samples(1, "loss")[0].boxes;
+  const double label_m = 12, h = 1e-6;
+  for (const double ratio : {0.5, 0.8, 0.97, 1.04, 1.3, 3.0}) {  // Distance to label.
+    const double disparity = boxes.range_m / (ratio * label_m);
+    const auto slope_of = [&](PcmLoss loss) {
+      return SlopeOf(loss, boxes, static_cast<float>(disparity), static_cast<float>(label_m));
+    };
+    const auto squared = [&](double x) { return std::pow(boxes.range_m / x - label_m, 2); };
+    const auto huber = [&](double x) {
+      const double a = std::abs(std::log(boxes.range_m / x / label_m));
+      return a < 0.1 ? a * a / 2 : 0.1 * (a - 0.05);
+    };
+    const double by_squared = (squared(disparity + h) - squared(disparity - h)) / (2 * h);
+    const double by_huber = (huber(disparity + h) - huber(disparity - h)) / (2 * h);
+    // Floats of ratios near 1, and differences of second order.
+    EXPECT_NEAR(slope_of(PcmLoss::kSquared).by_disparity / by_squared, 1, 1e-4) << ratio;
+    EXPECT_NEAR(slope_of(PcmLoss::kLog).by_disparity / by_huber, 1, 1e-4) << ratio;
+    EXPECT_NEAR(slope_of(PcmLoss::kLog).relative_error, std::abs(ratio - 1), 1e-5);
+  }
+  // The authors take the distance of either sign's parallax; ours leads back to parallax.
+  EXPECT_GT(SlopeOf(PcmLoss::kSquared, boxes, -0.01f, 1).by_disparity, 0);
+  EXPECT_LT(SlopeOf(PcmLoss::kLog, boxes, -0.01f, 12).by_disparity, 0);
+  // Cross entropy log(1 + exp(∓margin)) of a gate that is 0.5 towards hard.
+  EXPECT_NEAR(GateSlopeOf(0.5f, true), -1 / (1 + std::exp(0.5)), 1e-6);
+  EXPECT_NEAR(GateSlopeOf(0.5f, false), 1 / (1 + std::exp(-0.5)), 1e-6);
+}
+
+TEST(Optimiser, StepsOfAWorkedExample) {
+  std::vector<float> p = {1, -2};
+  Optimiser sgd({.rate = 1, .momentum = 0.5, .weight_decay = 0.1, .clip = 1}, 2);
+  EXPECT_TRUE(sgd.Step(0.1, {0.3f, 0.4f}, &p));  // Velocity 0.3 + 0.1, 0.4 - 0.2.
+  EXPECT_FLOAT_EQ(p[0], 0.96f);
+  EXPECT_FLOAT_EQ(p[1], -2.02f);
+  EXPECT_TRUE(sgd.Step(0.1, {3, 4}, &p));  // Clipped to 0.6, 0.8, on half the velocity.
+  EXPECT_NEAR(p[0], 0.96 - 0.1 * (0.2 + 0.6 + 0.096), 1e-6);
+  EXPECT_NEAR(p[1], -2.02 - 0.1 * (0.1 + 0.8 - 0.202), 1e-6);
+  EXPECT_FALSE(sgd.Step(0.1, {NAN, 0}, &p));
+  EXPECT_NEAR(p[0], 0.8704, 1e-6);
+
+  p = {1, -2};
+  Optimiser adam({.kind = OptimiserKind::kAdamW, .momentum = 0.9, .weight_decay = 0.1, .clip = 0},
+                 2);
+  EXPECT_TRUE(adam.Step(0.01, {3, -4}, &p));  // First steps are as long as the rate.
+  EXPECT_NEAR(p[0], 1 - 0.01 * (0.1 + 1), 1e-6);
+  EXPECT_NEAR(p[1], -2 - 0.01 * (-0.2 - 1), 1e-6);
+  const double before = p[0];
+  EXPECT_TRUE(adam.Step(0.01, {1, 0}, &p));
+  const double first = (0.9 * 0.3 + 0.1) / (1 - 0.81), second = (0.999 * 9e-3 + 1e-3) / 1.999e-3;
+  EXPECT_NEAR(p[0], before - 0.01 * (0.1 * before + first / std::sqrt(second)), 1e-6);
+}
+
+TEST(Optimiser, RatesWarmUpAndFall) {
+  EXPECT_EQ(RateShare(0, 100, 4), 0.25);
+  EXPECT_EQ(RateShare(3, 100, 4), 1);
+  EXPECT_EQ(RateShare(4, 100, 4), 1);
+  EXPECT_NEAR(RateShare(52, 100, 4), 0.5, 1e-12);
+  EXPECT_LT(RateShare(99, 100, 4), 1e-3);
+  EXPECT_GT(RateShare(99, 100, 4), 0);
+}
+
+// One pair, one short step: every module and the gate err less by what they were punished for.
+TEST(TrainPcm, StepsDownTheGradientOfItsLoss) {
+  const auto one = Samples(1, "step");
+  RandomStream random(9, "start");
+  std::vector<float> p;
+  for (int i = MixerParameters(4, 1); i > 0; --i)
+    p.push_back(static_cast<float>(0.1 * random.Normal()));
+  std::vector<float> g(p);
+  for (int i = 0; i < 5; ++i) g.push_back(static_cast<float>(0.3 * random.Normal()));
+  const PcmStages start{{Mixer(4, 1, p), Mixer(4, 1, p)}, {Mixer(4, 2, g)}, std::nullopt};
+  PcmRecipe recipe = PaperRecipe();
+  recipe.epochs = recipe.validate_every = 1;
+  recipe.optimiser = {.rate = 1e-4, .momentum = 0, .weight_decay = 0, .clip = 1};
+  PcmTrainer trainer(one, one, recipe, start);
+  trainer.Finish();
+  const PcmStages after = trainer.Best();
+  const auto error = [&](const std::vector<float>& parameters, const CorrectableBoxes& from) {
+    const auto out = Mixer(4, 1, parameters).Evaluate(TokensOf(from, 0), TokensOf(from, 1));
+    const double disparity = static_cast<double>(from.Disparity()) + out[0][0] - out[1][0];
+    return std::pow(from.range_m / std::abs(disparity) - one[0].label_m, 2);
+  };
+  const CorrectableBoxes& boxes = one[0].boxes;
+  EXPECT_LT(error(after.offsets[0].parameters(), boxes), error(p, boxes));
+  // The second stage learns from what the first made of the boxes before its step.
+  ASSERT_GT(std::sqrt(error(p, boxes)) / one[0].label_m, recipe.threshold);
+  CorrectableBoxes corrected = boxes;
+  const auto out = Mixer(4, 1, p).Evaluate(TokensOf(boxes, 0), TokensOf(boxes, 1));
+  for (std::size_t side = 0; side < 2; ++side) corrected.x[side] += out[side][0];
+  EXPECT_LT(error(after.offsets[1].parameters(), corrected), error(p, corrected));
+  // The gate moves towards "hard".
+  const auto margin = [&](const Mixer& gate) {
+    const auto logits = gate.Evaluate(TokensOf(boxes, 0), TokensOf(boxes, 1));
+    return logits[0][1] + logits[1][1] - logits[0][0] - logits[1][0];
+  };
+  EXPECT_GT(margin(after.gates[0]), margin(start.gates[0]));
+}
+
 TEST(TrainPcm, LearnsAConstantOffsetThatTriangulationCannotSee) {
   const auto test = Samples(200, "test");
   PcmRecipe recipe = Short();
