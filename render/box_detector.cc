@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <tuple>
 
-#include <fmt/format.h>
-
 namespace windhover {
 namespace {
 
@@ -68,9 +66,9 @@ detection_t DetectGeometric(const annotation_t& annotation, const GeometricConfi
         !CentreIsInImage(target.right, width_px, height_px)) {
       continue;
     }
-    const BoxNoise noise(
-        config, seed,
-        fmt::format("uav{}/geometric/target{}", annotation.observer_id, target.target_id));
+    const BoxNoise noise(config, seed,
+                         "uav" + std::to_string(annotation.observer_id) + "/geometric/target" +
+                             std::to_string(target.target_id));
     const auto errors = noise.At(tick, {target.left.full.w_px, target.left.full.h_px},
                                  {target.right.full.w_px, target.right.full.h_px});
     if (!errors) continue;

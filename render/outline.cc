@@ -1,6 +1,7 @@
 #include "render/outline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -17,11 +18,18 @@ struct Points {
   std::size_t n;  ///< Whole lanes.
 };
 
+// The least and the largest so far; what is not a number is passed over.
 template <typename Vector>
-inline __attribute__((always_inline)) bool Any(const Vector& flags) {
-  bool any = false;
-  for (std::size_t i = 0; i < sizeof(Vector) / sizeof(double); ++i) any |= flags[i] != 0;
-  return any;
+inline __attribute__((always_inline)) void Keep(const Vector& value, Vector* low, Vector* high) {
+  *low = value < *low ? value : *low;
+  *high = value > *high ? value : *high;
+}
+
+template <typename Vector, typename Function>
+inline __attribute__((always_inline)) bool All(const Vector& values, const Function& holds) {
+  bool all = true;
+  for (std::size_t i = 0; i < sizeof(Vector) / sizeof(double); ++i) all &= holds(values[i]);
+  return all;
 }
 
 // PinholeRadtan::Project of all points, operation by operation, and the box around them; false if
@@ -38,6 +46,8 @@ inline __attribute__((always_inline)) bool FindBox(const Points& points, const P
   const double falls_a = std::min(21 * m.k3, 0.0) / 3, falls_b = std::min(10 * m.k2, 0.0) / 2,
                falls_c = std::min(3 * m.k1, 0.0);
   Vector low_u = Vector{} + kInfinity, low_v = low_u, high_u = -low_u, high_v = -low_u;
+  // Of all points, to be judged at the end: comparisons of vectors cost more than all the rest.
+  Vector nearest_m = low_u, least_slope = low_u, widest = high_u, total{};
   for (std::size_t i = 0; i < points.n; i += kWidth) {
     Vector x_B, y_B, z_B;
     Load(points.x_m + i, &x_B);
@@ -48,15 +58,21 @@ inline __attribute__((always_inline)) bool FindBox(const Points& points, const P
     const Vector y = (X(1, 0) * x_B + X(1, 1) * y_B + X(1, 2) * z_B + X(1, 3)) / depth;
     const Vector r2 = x * x + y * y;
     const Vector radial = 1 + r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3));
-    const auto is_plain = (depth >= PinholeRadtan::kMinDepth_m) & (r2 < 4) &
-                          (1 + r2 * (falls_c + r2 * (falls_b + r2 * falls_a)) > kSteep);
-    if (Any(is_plain == 0)) return false;
+    const Vector slope = 1 + r2 * (falls_c + r2 * (falls_b + r2 * falls_a));
     const Vector u = m.fx_px * (x * radial + 2 * m.p1 * x * y + m.p2 * (r2 + 2 * x * x)) + m.cx_px;
     const Vector v = m.fy_px * (y * radial + m.p1 * (r2 + 2 * y * y) + 2 * m.p2 * x * y) + m.cy_px;
-    low_u = u < low_u ? u : low_u;
-    low_v = v < low_v ? v : low_v;
-    high_u = u > high_u ? u : high_u;
-    high_v = v > high_v ? v : high_v;
+    Keep(u, &low_u, &high_u);
+    Keep(v, &low_v, &high_v);
+    nearest_m = depth < nearest_m ? depth : nearest_m;
+    least_slope = slope < least_slope ? slope : least_slope;
+    widest = r2 > widest ? r2 : widest;
+    total += u + v;
+  }
+  if (!All(nearest_m, [](double z_m) { return z_m >= PinholeRadtan::kMinDepth_m; }) ||
+      !All(least_slope, [](double slope) { return slope > kSteep; }) ||
+      !All(widest, [](double r2) { return r2 < 4; }) ||
+      !All(total, [](double sum) { return std::isfinite(sum); })) {
+    return false;
   }
   for (std::size_t i = 0; i < kWidth; ++i) {
     box->extend(Eigen::Vector2d(low_u[i], low_v[i]));

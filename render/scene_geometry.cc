@@ -55,11 +55,12 @@ SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& o
   for (const int place : observers) {
     const auto position = static_cast<std::size_t>(place);
     const CalibratedRig& rig = scenario.rig.calibrated;
+    const std::string name = fmt::format("uav{}", ids_[position]);
     observers_.push_back(
-        {position, ids_[position], rig.X_BR(),
+        {position, ids_[position], name, rig.X_BR(),
          RigMotion(WithOptics(rig.ToStereoRig(), scenario.optics, rig.focal_mm * 1e-3),
                    scenario.rig.misalignment, scenario.flex, scenario.vibration,
-                   scenario.random_seed, fmt::format("uav{}", ids_[position]))});
+                   scenario.random_seed, name)});
   }
 }
 
@@ -72,7 +73,7 @@ void SceneGeometry::CheckWorld(const world_truth_t& world) const {
 StereoShutterTimes SceneGeometry::ShutterOf(const world_truth_t& world, std::size_t observer,
                                             double left_duration_s, double right_duration_s) const {
   return ShutterTimesAt(exposure_, left_duration_s, right_duration_s, height_px_, seed_,
-                        fmt::format("uav{}", observers_[observer].id), world.utime);
+                        observers_[observer].name, world.utime);
 }
 
 annotation_t SceneGeometry::Annotate(const world_truth_t& world, std::size_t observer) const {

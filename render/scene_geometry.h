@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -25,6 +26,7 @@ struct AircraftShape {
 struct ObserverRig {
   std::size_t position;  ///< In scenario.aircraft.
   int id;
+  std::string name;  ///< "uav0": of its random streams.
   Eigen::Isometry3d X_BR;
   RigMotion motion;
 };

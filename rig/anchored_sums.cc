@@ -57,6 +57,31 @@ inline __attribute__((always_inline)) void SumPowers(const double* starts, const
   }
 }
 
+// cos and sin of 2π f t of all lines, whole blocks of them, two vectors at once.
+template <std::size_t kWidth>
+inline __attribute__((always_inline)) void CosSinAt(double t_s, const std::vector<double>& hz,
+                                                    double* cosines, double* sines) {
+  using Vector = typename VectorOf<kWidth>::Type;
+  std::size_t i = 0;
+  for (; i + 2 * kWidth <= hz.size(); i += 2 * kWidth) {
+    TwoOf<Vector> frequency_hz, cos, sin;
+    Load(&hz[i], &frequency_hz.first);
+    Load(&hz[i + kWidth], &frequency_hz.second);
+    CosSin(frequency_hz * t_s, &cos, &sin);
+    Store(cos.first, &cosines[i]);
+    Store(cos.second, &cosines[i + kWidth]);
+    Store(sin.first, &sines[i]);
+    Store(sin.second, &sines[i + kWidth]);
+  }
+  for (; i < hz.size(); i += kWidth) {
+    Vector turns, cos, sin;
+    Load(&hz[i], &turns);
+    CosSin<Vector>(turns * t_s, &cos, &sin);
+    Store(cos, &cosines[i]);
+    Store(sin, &sines[i]);
+  }
+}
+
 // A line a cos(2π f t) + b sin(2π f t) about an anchor is C cos(x τ) + S sin(x τ), where C and S
 // are the line and its quadrature at the anchor, x is the line's angle and τ runs from -1 to 1.
 // Adds C x^n of even and S x^n of odd n over all lines.
@@ -66,13 +91,7 @@ inline __attribute__((always_inline)) void Expand(const Group& group, double anc
   using Vector = typename VectorOf<kWidth>::Type;
   std::array<double, kMaxLines> cosines, sines, even, odd;
   const std::size_t n_lines = group.frequencies_hz.size();
-  for (std::size_t i = 0; i < n_lines; i += kWidth) {
-    Vector frequency_hz, cos, sin;
-    Load(&group.frequencies_hz[i], &frequency_hz);
-    CosSin<Vector>(frequency_hz * anchor_s, &cos, &sin);
-    Store(cos, &cosines[i]);
-    Store(sin, &sines[i]);
-  }
+  CosSinAt<kWidth>(anchor_s, group.frequencies_hz, cosines.data(), sines.data());
   const double *a_of = group.amplitudes.data(), *b_of = a_of + n_lines;
   for (const std::size_t sum : group.sums) {
     for (std::size_t i = 0; i < n_lines; i += kWidth) {
@@ -125,13 +144,7 @@ inline __attribute__((always_inline)) void AddLines(const std::vector<Group>& gr
   std::array<double, kMaxLines> cosines, sines;
   for (const Group& group : groups) {
     const std::size_t n_lines = group.frequencies_hz.size();
-    for (std::size_t i = 0; i < n_lines; i += kWidth) {
-      Vector frequency_hz, cos, sin;
-      Load(&group.frequencies_hz[i], &frequency_hz);
-      CosSin<Vector>(frequency_hz * t_s, &cos, &sin);
-      Store(cos, &cosines[i]);
-      Store(sin, &sines[i]);
-    }
+    CosSinAt<kWidth>(t_s, group.frequencies_hz, cosines.data(), sines.data());
     const double *a_of = group.amplitudes.data(), *b_of = a_of + n_lines;
     for (const std::size_t sum : group.sums) {
       std::array<double, kLanes> lanes;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -27,8 +28,11 @@ class OrnsteinUhlenbeck {
     double mean_gain, sigma;
   };
 
+  double Middle(std::size_t level, std::uint64_t interval, double low, double high) const;
+
   RandomStream stream_;
   double first_, last_;
+  double early_;  ///< At the end of the first 512 s.
   std::vector<Halving> halvings_;
 };
 

@@ -5,11 +5,11 @@
 namespace windhover {
 namespace {
 
-double Jitter_s(const ExposureConfig& exposure, std::uint64_t seed, const std::string& stream_name,
-                std::int64_t utime_us) {
+double Jitter_s(const ExposureConfig& exposure, std::uint64_t seed, const std::string& name,
+                const char* trigger, std::int64_t utime_us) {
   constexpr std::uint64_t kDrawsPerFrame = 4;
   if (exposure.jitter_ms == 0) return 0;
-  RandomStream stream(seed, stream_name);
+  RandomStream stream(seed, name + trigger);
   stream.Seek(static_cast<std::uint64_t>(utime_us) * kDrawsPerFrame);
   return exposure.jitter_ms * 1e-3 * stream.Normal();
 }
@@ -27,8 +27,8 @@ StereoShutterTimes ShutterTimesAt(const ExposureConfig& exposure, double left_du
                         .row_time_s = row_time_s,
                         .middle_row = (height_px - 1) / 2.0};
   };
-  const double left_s = Jitter_s(exposure, seed, name + "/trigger/left", utime_us);
-  const double right_s = Jitter_s(exposure, seed, name + "/trigger/right", utime_us);
+  const double left_s = Jitter_s(exposure, seed, name, "/trigger/left", utime_us);
+  const double right_s = Jitter_s(exposure, seed, name, "/trigger/right", utime_us);
   return {times(left_s, left_duration_s),
           times(exposure.skew_ms * 1e-3 + right_s, right_duration_s)};
 }

@@ -66,6 +66,36 @@ WINDHOVER_LANES void CosSin(const Vector& turns, Vector* cos, Vector* sin) {
   *cos = 1.0 - 0.5 * two_s2 * two_s2;
 }
 
+/// Two vectors that are worked on alike and wait less for each other's results than one after the
+/// other would for its own.
+template <typename Vector>
+struct TwoOf {
+  Vector first, second;
+
+  WINDHOVER_LANES friend TwoOf operator+(const TwoOf& a, const TwoOf& b) {
+    return {a.first + b.first, a.second + b.second};
+  }
+  WINDHOVER_LANES friend TwoOf operator-(const TwoOf& a, const TwoOf& b) {
+    return {a.first - b.first, a.second - b.second};
+  }
+  WINDHOVER_LANES friend TwoOf operator*(const TwoOf& a, const TwoOf& b) {
+    return {a.first * b.first, a.second * b.second};
+  }
+  WINDHOVER_LANES friend TwoOf operator+(const TwoOf& a, double b) {
+    return {a.first + b, a.second + b};
+  }
+  WINDHOVER_LANES friend TwoOf operator-(const TwoOf& a, double b) {
+    return {a.first - b, a.second - b};
+  }
+  WINDHOVER_LANES friend TwoOf operator*(const TwoOf& a, double b) {
+    return {a.first * b, a.second * b};
+  }
+  WINDHOVER_LANES friend TwoOf operator*(double a, const TwoOf& b) { return b * a; }
+  WINDHOVER_LANES friend TwoOf operator-(double a, const TwoOf& b) {
+    return {a - b.first, a - b.second};
+  }
+};
+
 #undef WINDHOVER_LANES
 
 }  // namespace windhover

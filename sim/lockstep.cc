@@ -32,12 +32,6 @@ int UpstreamRank(const std::string& process) {
   return static_cast<int>(found - kOrder.begin());
 }
 
-ChannelCount CountOf(const std::map<std::string, ChannelCount>& counts,
-                     const std::string& channel) {
-  const auto found = counts.find(channel);
-  return found == counts.end() ? ChannelCount{} : found->second;
-}
-
 }  // namespace
 
 RunInvalid::RunInvalid(std::string its_culprit, std::string its_reason)
@@ -63,7 +57,24 @@ Lockstep::Lockstep(Bus& bus, std::int64_t run_id, std::vector<std::string> peers
     bus_.Subscribe<status_t>(channel::Status(peer),
                              [this, peer](const status_t& status) { status_[peer] = status; });
   }
-  before_ = bus_.Counts();
+  EndTick();
+}
+
+// Who subscribes next has missed nothing yet.
+void Lockstep::Watch() {
+  const std::vector<std::string>& all = bus_.Subscriptions();
+  for (; n_subscriptions_ < all.size(); ++n_subscriptions_) {
+    const std::string& channel = all[n_subscriptions_];
+    if (IsControl(channel)) continue;
+    Watched& watched = watched_.emplace_back();
+    watched.channel = channel;
+    watched.count = &bus_.CountOf(channel);
+  }
+}
+
+void Lockstep::EndTick() {
+  Watch();
+  for (Watched& watched : watched_) watched.before = *watched.count;
 }
 
 void Lockstep::OnTick(const tick_t& tick) {
@@ -119,7 +130,15 @@ void Lockstep::OnDone(const tick_done_t& done) {
                                                done.tick));
   }
   for (const channel_count_t& count : done.channels) {
-    announced_[count.channel][done.process] += count.n_sent;
+    const auto watched = std::find_if(watched_.begin(), watched_.end(), [&](const Watched& entry) {
+      return entry.channel == count.channel;
+    });
+    if (watched == watched_.end()) continue;
+    watched->n_announced += count.n_sent;
+    if (!watched->is_announced || done.process < watched->announced_by) {
+      watched->announced_by = done.process;
+    }
+    watched->is_announced = true;
   }
 }
 
@@ -157,7 +176,7 @@ void Lockstep::WaitForPeers(double timeout_s) {
       FailSilent(fmt::format("has not said HELLO within {} s", timeout_s), present_);
     }
   }
-  before_ = bus_.Counts();
+  EndTick();
 }
 
 void Lockstep::FailSilent(const std::string& what, const std::set<std::string>& heard) const {
@@ -174,39 +193,20 @@ void Lockstep::FailSilent(const std::string& what, const std::set<std::string>& 
                                               fmt::join(silent, ", ")));
 }
 
-std::int64_t Lockstep::Received(const std::string& channel) const {
-  return CountOf(bus_.Counts(), channel).received - CountOf(before_, channel).received;
-}
-
-// Peers announce what they have sent; what nobody announced, the sim itself has sent.
-std::int64_t Lockstep::Expected(const std::string& channel) const {
-  const auto announced = announced_.find(channel);
-  if (announced == announced_.end()) {
-    return CountOf(bus_.Counts(), channel).sent - CountOf(before_, channel).sent;
-  }
-  std::int64_t sum = 0;
-  for (const auto& [peer, count] : announced->second) sum += count;
-  return sum;
-}
-
 bool Lockstep::AllArrived() const {
-  return std::all_of(bus_.Subscriptions().begin(), bus_.Subscriptions().end(),
-                     [this](const std::string& channel) {
-                       return IsControl(channel) || Received(channel) == Expected(channel);
-                     });
+  return std::all_of(watched_.begin(), watched_.end(), [](const Watched& watched) {
+    return watched.Received() == watched.Expected();
+  });
 }
 
 void Lockstep::FailMissing() const {
   if (StopRequested()) throw RunInvalid("", "interrupted");
-  for (const std::string& channel : bus_.Subscriptions()) {
-    if (IsControl(channel) || Received(channel) == Expected(channel)) continue;
-    const auto announced = announced_.find(channel);
-    const std::string sender =
-        announced == announced_.end() ? "" : announced->second.begin()->first;
-    throw RunInvalid(sender,
-                     fmt::format("tick {}: {} message(s) were sent on {} by this run, {} "
-                                 "arrived",
-                                 tick_.tick, Expected(channel), channel, Received(channel)));
+  for (const Watched& watched : watched_) {
+    if (watched.Received() == watched.Expected()) continue;
+    throw RunInvalid(
+        watched.announced_by,
+        fmt::format("tick {}: {} message(s) were sent on {} by this run, {} arrived", tick_.tick,
+                    watched.Expected(), watched.channel, watched.Received()));
   }
   throw RunInvalid("", "no message is missing");  // Not reached: the caller found one.
 }
@@ -217,7 +217,12 @@ void Lockstep::Step(tick_t tick) {
   }
   tick_ = tick;
   done_.clear();
-  announced_.clear();
+  Watch();
+  for (Watched& watched : watched_) {
+    watched.is_announced = false;
+    watched.n_announced = 0;
+    watched.announced_by.clear();
+  }
   Publish(tick);
   const double limit_s =
       tick.phase == tick_t::PHASE_REHEARSAL ? rehearsal_deadline_s_ : deadline_s_;
@@ -227,7 +232,7 @@ void Lockstep::Step(tick_t tick) {
     FailSilent(fmt::format("has not answered tick {} within {} s", tick.tick, limit_s), done_);
   }
   if (!WaitUntil(deadline, [this] { return AllArrived(); })) FailMissing();
-  before_ = bus_.Counts();
+  EndTick();
 }
 
 std::vector<status_t> Lockstep::End(double timeout_s) {

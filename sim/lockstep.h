@@ -60,6 +60,20 @@ class Lockstep {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// A channel on which messages are waited for.
+  struct Watched {
+    std::int64_t Received() const { return count->received - before.received; }
+    /// Peers announce what they have sent; what nobody announced, the sim itself has sent.
+    std::int64_t Expected() const { return is_announced ? n_announced : count->sent - before.sent; }
+
+    std::string channel;
+    const ChannelCount* count;
+    ChannelCount before;  ///< When the last tick ended.
+    bool is_announced = false;
+    std::int64_t n_announced = 0;  ///< In this tick.
+    std::string announced_by;      ///< First of them, by name.
+  };
+
   void OnHello(const hello_t& hello);
   void OnDone(const tick_done_t& done);
   void OnTick(const tick_t& tick);
@@ -68,8 +82,8 @@ class Lockstep {
   bool WaitUntil(Clock::time_point deadline, const std::function<bool()>& done);
   bool AllDone() const { return done_.size() == peers_.size(); }
   bool AllArrived() const;
-  std::int64_t Expected(const std::string& channel) const;
-  std::int64_t Received(const std::string& channel) const;
+  void Watch();
+  void EndTick();
   [[noreturn]] void FailSilent(const std::string& what, const std::set<std::string>& heard) const;
   [[noreturn]] void FailMissing() const;
 
@@ -82,8 +96,8 @@ class Lockstep {
   tick_t tick_{};
   std::set<std::string> present_;
   std::set<std::string> done_;
-  std::map<std::string, std::map<std::string, std::int64_t>> announced_;  // [channel][peer]
-  std::map<std::string, ChannelCount> before_;  // When the last tick ended.
+  std::vector<Watched> watched_;     // In order of subscription.
+  std::size_t n_subscriptions_ = 0;  // Of the bus, when last looked at.
   std::map<std::string, status_t> status_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "common/random/random_stream.h"
 #include "common/time/sim_time.h"
 #include "lcmtypes/imu_t.hpp"
 #include "lcmtypes/nav_state_t.hpp"
@@ -26,9 +27,14 @@ class OnboardSensors {
   imu_t Imu(const World& world, int position, std::int64_t sample) const;
 
  private:
-  std::uint64_t seed_;
+  /// Of one aircraft, each with three numbers a sample.
+  struct Noise {
+    int id;
+    RandomStream position, velocity, angular_rate, attitude, gyro, accelerometer;
+  };
+
   NavConfig nav_;
-  std::vector<int> ids_;
+  std::vector<Noise> aircraft_;
 };
 
 }  // namespace windhover

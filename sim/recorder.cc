@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -10,7 +12,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/bus/channels.h"
-#include "common/bus/message_types.h"
 #include "common/bus/truth_channels.h"
 #include "common/image/image_codecs.h"
 #include "lcmtypes/stereo_frame_t.hpp"
@@ -84,11 +85,28 @@ Recorder::Recorder(Bus& bus, const std::filesystem::path& file, const std::vecto
 }
 
 void Recorder::Record(const std::string& channel) {
-  const std::size_t place = n_channels_++;
-  bus_.SubscribeBytes(channel, [this, place](const std::string& name, MessageBytes bytes) {
-    CheckChannelLayout(name, bytes);
-    heard_.push_back({place, name, {bytes.begin(), bytes.end()}});
-  });
+  const std::size_t place = channels_.size();
+  channels_.push_back({channel, LayoutCheckOf(channel),
+                       TypeOnChannel(channel) == MessageLayout<stereo_frame_t>::kName});
+  bus_.SubscribeBytes(
+      channel, [this, place](const std::string&, MessageBytes bytes) { Keep(place, bytes); });
+}
+
+void Recorder::Keep(std::size_t place, MessageBytes bytes) {
+  channels_[place].check(bytes);
+  if (n_heard_ == heard_.size()) heard_.emplace_back();
+  Heard& message = heard_[n_heard_++];
+  message.place = place;
+  message.bytes.assign(bytes.begin(), bytes.end());
+}
+
+void Recorder::Write(const Heard& message, Utime utime) {
+  const Channel& channel = channels_[message.place];
+  if (channel.has_frames) {
+    log_.WriteBytes(channel.name, utime, RecordedFrame(message.bytes, pixels_, &shared_frames_));
+  } else {
+    log_.WriteBytes(channel.name, utime, message.bytes);
+  }
 }
 
 void Recorder::WriteHeader(const run_header_t& header) {
@@ -98,21 +116,16 @@ void Recorder::WriteHeader(const run_header_t& header) {
 
 void Recorder::WriteTick(const tick_t& tick) {
   if (tick.phase == tick_t::PHASE_RUN) {
-    // Stable: a channel has one publisher, whose order is kept.
-    std::stable_sort(heard_.begin(), heard_.end(),
-                     [](const Heard& a, const Heard& b) { return a.place < b.place; });
-    for (const Heard& message : heard_) {
-      const bool is_frame = TypeOnChannel(message.channel) == MessageLayout<stereo_frame_t>::kName;
-      if (is_frame) {
-        log_.WriteBytes(message.channel, tick.utime,
-                        RecordedFrame(message.bytes, pixels_, &shared_frames_));
-      } else {
-        log_.WriteBytes(message.channel, tick.utime, message.bytes);
-      }
-    }
-    log_.Flush();
+    order_.resize(n_heard_);
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    // A channel has one publisher, whose order is kept.
+    std::sort(order_.begin(), order_.end(), [this](std::size_t a, std::size_t b) {
+      return std::pair(heard_[a].place, a) < std::pair(heard_[b].place, b);
+    });
+    for (const std::size_t i : order_) Write(heard_[i], tick.utime);
+    bus_.InProcess() ? log_.FlushNowAndThen() : log_.Flush();
   }
-  heard_.clear();
+  n_heard_ = 0;
 }
 
 void Recorder::WriteEnd(const run_end_t& end) {

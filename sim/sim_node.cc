@@ -171,18 +171,18 @@ std::string SimNode::SwarmProcessOf(int position) const {
 void SimNode::ApplyCommands(const tick_t& tick) {
   for (int i = 0; i < world_.size(); ++i) {
     if (!world_.IsCommanded(i)) continue;
-    const std::string name = channel::VelocityCommand(scenario_.aircraft[i].self.id);
+    const auto name = [&] { return channel::VelocityCommand(scenario_.aircraft[i].self.id); };
     const auto found = commands_.find(i);
     if (found == commands_.end() || found->second.utime != tick.utime) {
       throw RunInvalid(SwarmProcessOf(i),
-                       fmt::format("tick {}: no command on {}", tick.tick, name));
+                       fmt::format("tick {}: no command on {}", tick.tick, name()));
     }
     const velocity_command_t& command = found->second;
     try {
       world_.Command(i, {Eigen::Vector3d(command.v_WB_mps), command.yaw_rate_radps});
     } catch (const std::invalid_argument& e) {
       throw RunInvalid(SwarmProcessOf(i),
-                       fmt::format("tick {}: {}: {}", tick.tick, name, e.what()));
+                       fmt::format("tick {}: {}: {}", tick.tick, name(), e.what()));
     }
   }
 }

@@ -20,6 +20,12 @@ double Exponential(RandomStream& stream, double mean) {
 
 Vector3d VectorOf(const std::array<double, 3>& v) { return Vector3d(v.data()); }
 
+RandomStream StreamAt(RandomStream stream, std::int64_t number) {
+  // Three numbers are one sample's. Numbers before -1 wrap to the other end of the stream.
+  stream.Seek(3 * static_cast<std::uint64_t>(number + 1));
+  return stream;
+}
+
 }  // namespace
 
 Obstruction::Obstruction(double fraction, double mean_burst_s, const RandomStream& stream)
@@ -42,20 +48,29 @@ bool Obstruction::At(double t_s) {
 UwbRanging::UwbRanging(const Scenario& scenario)
     : seed_(scenario.random_seed), config_(scenario.uwb) {
   for (const Aircraft& aircraft : scenario.aircraft) {
-    RandomStream stream(seed_, fmt::format("uav{}/uwb", aircraft.self.id));
-    Radio radio;
-    radio.id = aircraft.self.id;
-    radio.antenna_B_m = VectorOf(config_.antenna_m) + VectorOf(aircraft.uwb_antenna_m);
-    radio.latency_s = config_.latency_s + config_.latency_sigma_s * stream.Normal();
-    // The error of a range is the sum of two radios'.
-    radio.delay_m = std::sqrt(0.5) * config_.antenna_delay_sigma_m * stream.Normal();
-    radio.clock_ppm = config_.clock_sigma_ppm * stream.Normal();
+    const int id = aircraft.self.id;
+    RandomStream stream(seed_, fmt::format("uav{}/uwb", id));
+    Radio radio{.id = id,
+                .antenna_B_m = VectorOf(config_.antenna_m) + VectorOf(aircraft.uwb_antenna_m),
+                .latency_s = config_.latency_s + config_.latency_sigma_s * stream.Normal(),
+                // The error of a range is the sum of two radios'.
+                .delay_m = std::sqrt(0.5) * config_.antenna_delay_sigma_m * stream.Normal(),
+                .clock_ppm = config_.clock_sigma_ppm * stream.Normal(),
+                .jitter = RandomStream(seed_, fmt::format("uav{}/uwb/jitter", id)),
+                .history = {}};
     radios_.push_back(std::move(radio));
     if (config_.nlos_fraction <= 0) continue;
     for (std::size_t i = 0; i + 1 < radios_.size(); ++i) {
       const std::string name = fmt::format("uav{}/uav{}/obstruction", radios_[i].id, radio.id);
       obstructions_.emplace_back(config_.nlos_fraction, config_.nlos_burst_s,
                                  RandomStream(seed_, name));
+    }
+  }
+  for (const Radio& own : radios_) {
+    for (const Radio& target : radios_) {
+      const std::string name = fmt::format("uav{}/uwb/uav{}", own.id, target.id);
+      streams_.push_back({RandomStream(seed_, name), RandomStream(seed_, name + "/nlos"),
+                          RandomStream(seed_, name + "/outlier")});
     }
   }
 }
@@ -69,11 +84,9 @@ void UwbRanging::Observe(Utime utime, const std::vector<Kinematics>& states) {
   }
 }
 
-RandomStream UwbRanging::StreamAt(const std::string& name, std::int64_t number) const {
-  // Three numbers are one sample's. Numbers before -1 wrap to the other end of the stream.
-  RandomStream stream(seed_, name);
-  stream.Seek(3 * static_cast<std::uint64_t>(number + 1));
-  return stream;
+const UwbRanging::PairStreams& UwbRanging::StreamsOf(int own, int target) const {
+  return streams_[static_cast<std::size_t>(own) * radios_.size() +
+                  static_cast<std::size_t>(target)];
 }
 
 UwbRanging::Sample UwbRanging::SampleAt(int position, std::int64_t number) const {
@@ -82,9 +95,7 @@ UwbRanging::Sample UwbRanging::SampleAt(int position, std::int64_t number) const
   const double late_s =
       config_.jitter_s <= 0
           ? radio.latency_s
-          : radio.latency_s +
-                config_.jitter_s *
-                    StreamAt(fmt::format("uav{}/uwb/jitter", radio.id), number).Normal();
+          : radio.latency_s + config_.jitter_s * StreamAt(radio.jitter, number).Normal();
   if (config_.rate_hz <= 0) return {number, (now_s_ - late_s) / rate, now_s_};
   const double taken_s = static_cast<double>(number) / config_.rate_hz;
   return {number, taken_s, rate * taken_s + late_s};
@@ -132,14 +143,14 @@ Obstruction& UwbRanging::ObstructionOf(int a, int b) {
   return obstructions_[larger * (larger - 1) / 2 + smaller];
 }
 
-double UwbRanging::Excess_m(int own, int target, const std::string& name, const Sample& sample) {
+double UwbRanging::Excess_m(int own, int target, const Sample& sample) {
   double excess_m = 0;
   if (config_.nlos_fraction > 0 && ObstructionOf(own, target).At(sample.taken_s)) {
-    RandomStream stream = StreamAt(name + "/nlos", sample.number);
+    RandomStream stream = StreamAt(StreamsOf(own, target).nlos, sample.number);
     excess_m += Exponential(stream, config_.nlos_mean_m);
   }
   if (config_.outlier_rate > 0) {
-    RandomStream stream = StreamAt(name + "/outlier", sample.number);
+    RandomStream stream = StreamAt(StreamsOf(own, target).outlier, sample.number);
     if (stream.Uniform() < config_.outlier_rate) {
       excess_m += stream.Uniform(-config_.outlier_m, config_.outlier_m);
     }
@@ -153,11 +164,10 @@ double UwbRanging::Measured_m(int own, int target, const Sample& sample) {
   const Vector3d between_m =
       (there.p_WB_m - here.p_WB_m) + (there.q_WB * to.antenna_B_m - here.q_WB * from.antenna_B_m);
   const double distance_m = between_m.norm();
-  const std::string name = fmt::format("uav{}/uwb/uav{}", from.id, to.id);
   double range_m = Exchanged_m(from, to, distance_m) + config_.bias_m + from.delay_m + to.delay_m;
   if (config_.power_bias != 0) range_m += config_.power_bias * PowerBias_m(distance_m);
-  range_m += Excess_m(own, target, name, sample);
-  return range_m + config_.sigma_m * StreamAt(name, sample.number).Normal();
+  range_m += Excess_m(own, target, sample);
+  return range_m + config_.sigma_m * StreamAt(StreamsOf(own, target).noise, sample.number).Normal();
 }
 
 uwb_t UwbRanging::Report(int position, std::int64_t image) {

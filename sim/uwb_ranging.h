@@ -60,7 +60,12 @@ class UwbRanging {
     int id;
     Eigen::Vector3d antenna_B_m;
     double latency_s, delay_m, clock_ppm;
+    RandomStream jitter;
     StateHistory history;
+  };
+  /// Of the ranges that one radio measures to another.
+  struct PairStreams {
+    RandomStream noise, nlos, outlier;
   };
   struct Sample {
     std::int64_t number;
@@ -76,13 +81,14 @@ class UwbRanging {
   std::vector<Weighted> SamplesOf(int position, std::int64_t image) const;
   double Measured_m(int own, int target, const Sample& sample);
   double Exchanged_m(const Radio& own, const Radio& target, double distance_m) const;
-  double Excess_m(int own, int target, const std::string& name, const Sample& sample);
-  RandomStream StreamAt(const std::string& name, std::int64_t number) const;
+  double Excess_m(int own, int target, const Sample& sample);
+  const PairStreams& StreamsOf(int own, int target) const;
   Obstruction& ObstructionOf(int a, int b);
 
   std::uint64_t seed_;
   UwbConfig config_;
   std::vector<Radio> radios_;
+  std::vector<PairStreams> streams_;       // [own · radios + target]
   std::vector<Obstruction> obstructions_;  // [larger position · (larger − 1) / 2 + smaller]
   double now_s_ = 0;
 };

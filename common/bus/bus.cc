@@ -9,6 +9,7 @@
 #include <exception>
 #include <optional>
 #include <stdexcept>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <lcm/lcm.h>
@@ -62,6 +63,7 @@ struct Bus::Impl {
     Impl* bus;
     std::string name;
     std::vector<std::function<void(const std::string&, MessageBytes)>> handlers;
+    ChannelCount count;
   };
 
   // Called by LCM. Nothing may be thrown through its C frames: an exception waits in `error`.
@@ -72,8 +74,7 @@ struct Bus::Impl {
   }
 
   void Dispatch(Channel& channel, MessageBytes bytes) noexcept {
-    ChannelCount& count = counts[channel.name];
-    ++count.received;
+    ++channel.count.received;
     try {
       // liblcm passes on a huge size for a datagram that is only a header.
       if (bytes.size() > LCM_MAX_MESSAGE_SIZE) throw MalformedMessage("has an impossible size");
@@ -81,7 +82,7 @@ struct Bus::Impl {
         channel.handlers[i](channel.name, bytes);
       }
     } catch (const MalformedMessage& e) {
-      ++count.rejected;
+      ++channel.count.rejected;
       error = std::make_exception_ptr(
           std::runtime_error(fmt::format("bus: a message on {} is {}", channel.name, e.what())));
     } catch (...) {
@@ -89,7 +90,8 @@ struct Bus::Impl {
     }
   }
 
-  void PublishHere(const std::string& name, MessageBytes bytes);
+  Channel& ChannelNamed(const std::string& name);
+  void PublishHere(Channel* channel, MessageBytes bytes);
   bool HandleHere();
   bool WaitForMessage(int timeout_ms);
   bool HandleTiles();
@@ -103,10 +105,9 @@ struct Bus::Impl {
   std::string url;
   bool is_tcpq = false, is_memq = false;
   std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm{nullptr, lcm_destroy};
-  std::map<std::string, std::unique_ptr<Channel>> channels;
-  std::unique_ptr<UdpTiles> tiles;  // On udpm only.
+  std::unordered_map<std::string, std::unique_ptr<Channel>> channels;  // Never iterated unsorted.
+  std::unique_ptr<UdpTiles> tiles;                                     // On udpm only.
   std::vector<std::string> subscriptions;
-  std::map<std::string, ChannelCount> counts;
   std::exception_ptr error;
   // On memq only, where LCM's own queue costs a write, a poll and a read a message.
   std::deque<std::pair<Channel*, std::vector<std::uint8_t>>> waiting;
@@ -134,27 +135,25 @@ Bus::~Bus() {
 }
 
 void Bus::PublishBytes(const std::string& channel, MessageBytes bytes) {
-  RequirePlainName(channel);
+  Impl::Channel& entry = impl_->ChannelNamed(channel);
   if (impl_->is_tcpq && impl_->Socket() < 0) impl_->HubIsGone();  // liblcm would reconnect.
   const auto size = static_cast<unsigned int>(bytes.size());
   if (impl_->is_memq) {
-    impl_->PublishHere(channel, bytes);
+    impl_->PublishHere(&entry, bytes);
   } else if (impl_->tiles && UdpTiles::NeedsTiles(size)) {
     impl_->tiles->Publish(channel, bytes);
   } else if (lcm_publish(impl_->lcm.get(), channel.c_str(), bytes.data(), size) != 0) {
     throw std::runtime_error(fmt::format("bus: cannot publish on {} ({})", channel, impl_->url));
   }
-  ++impl_->counts[channel].sent;
+  ++entry.count.sent;
 }
 
 void Bus::SubscribeBytes(const std::string& channel,
                          std::function<void(const std::string& channel, MessageBytes)> handler) {
-  RequirePlainName(channel);
-  std::unique_ptr<Impl::Channel>& entry = impl_->channels[channel];
-  if (!entry) {
-    entry = std::make_unique<Impl::Channel>(Impl::Channel{impl_.get(), channel, {}});
+  Impl::Channel& entry = impl_->ChannelNamed(channel);
+  if (entry.handlers.empty()) {
     lcm_subscription_t* subscription =
-        lcm_subscribe(impl_->lcm.get(), channel.c_str(), &Impl::OnMessage, entry.get());
+        lcm_subscribe(impl_->lcm.get(), channel.c_str(), &Impl::OnMessage, &entry);
     if (subscription == nullptr) {
       throw std::runtime_error(fmt::format("bus: cannot subscribe to {}", channel));
     }
@@ -162,19 +161,26 @@ void Bus::SubscribeBytes(const std::string& channel,
     impl_->subscriptions.push_back(channel);
     if (impl_->tiles) impl_->tiles->Subscribe(channel);
   }
-  entry->handlers.push_back(std::move(handler));
+  entry.handlers.push_back(std::move(handler));
 }
 
-void Bus::Impl::PublishHere(const std::string& name, MessageBytes bytes) {
-  const auto channel = channels.find(name);
-  if (channel == channels.end()) return;
+Bus::Impl::Channel& Bus::Impl::ChannelNamed(const std::string& name) {
+  const auto found = channels.find(name);
+  if (found != channels.end()) return *found->second;
+  RequirePlainName(name);
+  return *channels.emplace(name, std::make_unique<Channel>(Channel{this, name, {}, {}}))
+              .first->second;
+}
+
+void Bus::Impl::PublishHere(Channel* channel, MessageBytes bytes) {
+  if (channel->handlers.empty()) return;
   std::vector<std::uint8_t> copy;
   if (!spare.empty()) {
     copy = std::move(spare.back());
     spare.pop_back();
   }
   copy.assign(bytes.begin(), bytes.end());
-  waiting.emplace_back(channel->second.get(), std::move(copy));
+  waiting.emplace_back(channel, std::move(copy));
 }
 
 bool Bus::Impl::HandleHere() {
@@ -245,6 +251,17 @@ std::int64_t Bus::DroppedByKernel() const {
 
 const std::vector<std::string>& Bus::Subscriptions() const { return impl_->subscriptions; }
 
-const std::map<std::string, ChannelCount>& Bus::Counts() const { return impl_->counts; }
+std::map<std::string, ChannelCount> Bus::Counts() const {
+  std::map<std::string, ChannelCount> counts;
+  for (const auto& [name, channel] : impl_->channels) {
+    const ChannelCount& count = channel->count;
+    if (count.sent + count.received > 0) counts[name] = count;
+  }
+  return counts;
+}
+
+const ChannelCount& Bus::CountOf(const std::string& channel) const {
+  return impl_->ChannelNamed(channel).count;
+}
 
 }  // namespace windhover

@@ -39,7 +39,8 @@ class Bus {
   void Publish(const std::string& channel, const Message& message);
 
   /// `handler` is called with every well-formed Message on exactly `channel`. A malformed one is
-  /// counted and makes Handle() throw with channel, type and reason.
+  /// counted and makes Handle() throw with channel, type and reason. The memory of a message goes
+  /// round: a handler must not call Handle().
   template <typename Message>
   void Subscribe(const std::string& channel, std::function<void(const Message&)> handler);
 
@@ -61,7 +62,10 @@ class Bus {
 
   /// Exact names of the channels subscribed to, in order of subscription.
   const std::vector<std::string>& Subscriptions() const;
-  const std::map<std::string, ChannelCount>& Counts() const;
+  /// Of every channel on which something was sent or received.
+  std::map<std::string, ChannelCount> Counts() const;
+  /// Of one channel, now and as it goes on; lives as long as the bus.
+  const ChannelCount& CountOf(const std::string& channel) const;
 
  private:
   struct Impl;
@@ -77,8 +81,10 @@ void Bus::Publish(const std::string& channel, const Message& message) {
 
 template <typename Message>
 void Bus::Subscribe(const std::string& channel, std::function<void(const Message&)> handler) {
-  SubscribeBytes(channel, [handler = std::move(handler)](const std::string&, MessageBytes bytes) {
-    handler(Decode<Message>(bytes));
+  SubscribeBytes(channel, [handler = std::move(handler), message = std::make_shared<Message>()](
+                              const std::string&, MessageBytes bytes) {
+    DecodeTo(bytes, message.get());
+    handler(*message);
   });
 }
 

@@ -29,7 +29,7 @@ struct Fingerprints {
 struct ChannelType {
   std::string_view name;  // Ends in '_': a prefix that an aircraft or a process completes.
   const char* type;
-  void (*check)(MessageBytes);
+  LayoutCheck check;
 };
 
 template <typename Message>
@@ -76,9 +76,13 @@ std::string TypeOnChannel(const std::string& channel) {
   return entry == nullptr ? "" : entry->type;
 }
 
-void CheckChannelLayout(const std::string& channel, MessageBytes bytes) {
+LayoutCheck LayoutCheckOf(const std::string& channel) {
   const ChannelType* entry = Find(channel);
-  if (entry != nullptr) entry->check(bytes);
+  return entry == nullptr ? nullptr : entry->check;
+}
+
+void CheckChannelLayout(const std::string& channel, MessageBytes bytes) {
+  if (const LayoutCheck check = LayoutCheckOf(channel)) check(bytes);
 }
 
 }  // namespace windhover

@@ -16,6 +16,13 @@ std::vector<type_fingerprint_t> AllFingerprints();
 /// table of lcmtypes/README.md; empty for a channel that is not in it.
 std::string TypeOnChannel(const std::string& channel);
 
+/// Throws MalformedMessage unless the bytes are a well-formed message.
+using LayoutCheck = void (*)(MessageBytes);
+
+/// The check of what belongs on `channel`, for who has many messages of it; null for a channel that
+/// is not in the table.
+LayoutCheck LayoutCheckOf(const std::string& channel);
+
 /// @throws MalformedMessage unless `bytes` are a well-formed message of the type that belongs on
 /// `channel`. Channels that are not in the table pass.
 void CheckChannelLayout(const std::string& channel, MessageBytes bytes);

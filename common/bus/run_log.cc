@@ -22,12 +22,13 @@ constexpr std::uint64_t kMaxChannelBytes = 255;
 constexpr std::uint64_t kMaxDataBytes = 1 << 28;
 constexpr std::int64_t kScanBytes = 1 << 20;
 
-std::string BigEndian(std::uint64_t value, int n_bytes) {
-  std::string bytes;
+constexpr std::size_t kPendingBytes = 1 << 16;
+constexpr std::chrono::milliseconds kPendingTime{100};
+
+void AddBigEndian(std::uint64_t value, int n_bytes, std::string* bytes) {
   for (int shift = 8 * (n_bytes - 1); shift >= 0; shift -= 8) {
-    bytes += static_cast<char>(value >> shift & 0xff);
+    *bytes += static_cast<char>(value >> shift & 0xff);
   }
-  return bytes;
 }
 
 std::uint64_t FromBigEndian(std::string_view bytes) {
@@ -61,13 +62,32 @@ RunLogWriter::RunLogWriter(const std::filesystem::path& file)
 }
 
 void RunLogWriter::WriteBytes(const std::string& channel, Utime utime, MessageBytes bytes) {
-  out_ << kSync << BigEndian(static_cast<std::uint64_t>(n_events_++), 8)
-       << BigEndian(static_cast<std::uint64_t>(utime), 8) << BigEndian(channel.size(), 4)
-       << BigEndian(bytes.size(), 4) << channel;
-  out_.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+  pending_ += kSync;
+  AddBigEndian(static_cast<std::uint64_t>(n_events_++), 8, &pending_);
+  AddBigEndian(static_cast<std::uint64_t>(utime), 8, &pending_);
+  AddBigEndian(channel.size(), 4, &pending_);
+  AddBigEndian(bytes.size(), 4, &pending_);
+  pending_ += channel;
+  pending_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (pending_.size() >= 2 * kPendingBytes) HandOver();
+}
+
+RunLogWriter::~RunLogWriter() { HandOver(); }
+
+void RunLogWriter::HandOver() {
+  out_.write(pending_.data(), std::ssize(pending_));
+  pending_.clear();
+}
+
+void RunLogWriter::FlushNowAndThen() {
+  const auto now = std::chrono::steady_clock::now();
+  if (pending_.size() < kPendingBytes && now - flushed_at_ < kPendingTime) return;
+  flushed_at_ = now;
+  Flush();
 }
 
 void RunLogWriter::Flush() {
+  HandOver();
   if (out_.flush()) return;
   throw std::runtime_error(
       fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(errno)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +19,8 @@ class RunLogWriter {
  public:
   /// @throws std::runtime_error if the file cannot be created.
   explicit RunLogWriter(const std::filesystem::path& file);
+  ~RunLogWriter();
+  RunLogWriter(const RunLogWriter&) = delete;
 
   void WriteBytes(const std::string& channel, Utime utime, MessageBytes bytes);
 
@@ -30,9 +33,17 @@ class RunLogWriter {
   /// @throws std::runtime_error if anything could not be written (the disk is full).
   void Flush();
 
+  /// The same, once 64 KiB or a tenth of a second (of the wall clock; what is written does not
+  /// depend on it) have come together.
+  void FlushNowAndThen();
+
  private:
+  void HandOver();
+
   std::filesystem::path file_;
   std::ofstream out_;
+  std::string pending_;  ///< Whole events.
+  std::chrono::steady_clock::time_point flushed_at_ = std::chrono::steady_clock::now();
   std::int64_t n_events_ = 0;
 };
 

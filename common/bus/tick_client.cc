@@ -55,7 +55,8 @@ struct TickClient::Impl {
   std::function<void(const tick_t&)> on_tick;
   std::optional<tick_t> tick;  // Waits for what it requires.
   std::int64_t last_utime = std::numeric_limits<std::int64_t>::min();  // Of the last tick done.
-  std::map<std::string, std::int32_t> n_sent;                          // In this tick.
+  std::map<std::string, std::int32_t> n_sent;  // In this tick; 0 of channels of earlier ones.
+  tick_done_t answer{};                        // Whose memory goes round.
   std::int64_t n_ignored = 0;
   std::optional<std::chrono::steady_clock::time_point> last_hello;
   bool ticked = false;
@@ -131,19 +132,19 @@ void TickClient::Impl::SayHello() {
 }
 
 void TickClient::Impl::SayDone(const tick_t& done) {
-  tick_done_t answer{};
   answer.utime = done.utime;
   answer.run_id = done.run_id;
   answer.tick = done.tick;
   answer.process = process;
-  for (const auto& [name, count] : n_sent) {
-    channel_count_t entry{};
-    entry.channel = name;
-    entry.n_sent = count;
-    answer.channels.push_back(entry);
+  answer.channels.resize(n_sent.size());
+  std::size_t n_channels = 0;
+  for (auto& [name, count] : n_sent) {
+    if (count == 0) continue;
+    answer.channels[n_channels].channel = name;
+    answer.channels[n_channels++].n_sent = std::exchange(count, 0);
   }
-  answer.n_channels = static_cast<std::int32_t>(answer.channels.size());
-  n_sent.clear();
+  answer.channels.resize(n_channels);
+  answer.n_channels = static_cast<std::int32_t>(n_channels);
   bus.Publish(channel::kTickDone, answer);
 }
 

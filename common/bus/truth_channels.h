@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include <fmt/format.h>
-
 // Channels that only a simulator has.
 namespace windhover::channel {
 
@@ -11,6 +9,6 @@ inline const std::string kUavTruth = "UAV_TRUTH";
 inline const std::string kRunHeader = "RUN_HEADER";
 inline const std::string kRunEnd = "RUN_END";
 
-inline std::string Annotation(int id) { return fmt::format("ANNOTATION_{}", id); }
+inline std::string Annotation(int id) { return "ANNOTATION_" + std::to_string(id); }
 
 }  // namespace windhover::channel

@@ -146,5 +146,19 @@ TEST(StageTimer, AddsUpCallsInOrderOfFirstUse) {
   EXPECT_GE(timer.Stages()[0].wall_ms, timer.Stages()[1].wall_ms);
 }
 
+// The kernel is not asked at each of them, but they count.
+TEST(StageTimer, CountsTheCpuTimeOfShortCallsToo) {
+  StageTimer timer;
+  volatile double sum = 0;
+  for (int i = 0; i < 100; ++i) {
+    const StageTimer::Scope scope = timer.Start("short");
+    for (int k = 0; k < 1000; ++k) sum = sum + k;
+  }
+  const StageTimer::Stage& stage = timer.Stages()[0];
+  EXPECT_EQ(stage.n, 100);
+  EXPECT_GT(stage.measured_cpu_ms, 0);
+  EXPECT_GT(stage.cpu_ms, stage.measured_cpu_ms);
+}
+
 }  // namespace
 }  // namespace windhover

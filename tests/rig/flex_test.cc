@@ -369,6 +369,16 @@ TEST(OrnsteinUhlenbeck, OnePathHasTheCorrelationTimeToo) {
   EXPECT_NEAR(xx / 1e5, 1, 0.05);
 }
 
+// The first 512 s have a shorter way to the same path: both sides of their end are halves of one.
+TEST(OrnsteinUhlenbeck, GoesOnWhereTheFirstMinutesEnd) {
+  for (const double tau_s : {0.5, 5.0, 300.0, 60000.0}) {
+    const OrnsteinUhlenbeck process(1, tau_s, RandomStream(3, "drift"));
+    // Straight lines between moments tau / 128 or less apart: of slope below 8 sigma over that.
+    EXPECT_NEAR(process.At(512 - 1e-9), process.At(512), 8e-9 * 128 * 2 / tau_s);
+    EXPECT_NEAR(process.At(512 + 1e-9), process.At(512), 8e-9 * 128 * 2 / tau_s);
+  }
+}
+
 TEST(OrnsteinUhlenbeck, IsContinuousAndBoundedInTime) {
   const OrnsteinUhlenbeck process(1, 300, RandomStream(3, "drift"));
   EXPECT_NEAR(process.At(100), process.At(100 + 1e-9), 1e-9);

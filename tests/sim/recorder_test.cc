@@ -113,7 +113,35 @@ TEST(Recorder, DropsTheRehearsal) {
   while (bus.Handle(0)) continue;
   recorder.WriteTick(TickAt(-1, tick_t::PHASE_REHEARSAL));
   recorder.WriteTick(TickAt(0));
-  EXPECT_TRUE(EventsOf(file).empty());
+  recorder.WriteEnd(run_end_t{});
+  const std::vector<LogEvent> events = EventsOf(file);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].channel, "RUN_END");
+}
+
+// A kill gives no time to flush: what is on the disk then is what can be read while the recorder
+// lives.
+TEST(Recorder, LosesOnlyTheLastMomentsOfAProcessThatIsKilled) {
+  const auto file = LogFile("recorder_killed");
+  Bus bus("memq://");
+  Recorder recorder(bus, file, {0}, RecordedPixels::kNone);
+  recorder.WriteHeader(run_header_t{});
+  constexpr int kTicks = 2000;  // 300 kB and more, of which 64 KiB may wait.
+  for (int i = 0; i < kTicks; ++i) {
+    bus.Publish(channel::NavState(0), nav_state_t{});
+    while (bus.Handle(0)) continue;
+    recorder.WriteTick(TickAt(i));
+  }
+  RunLogReader reader(file);
+  int n_events = 0;
+  std::int64_t event_bytes = 0;
+  while (const auto event = reader.Next()) {
+    EXPECT_EQ(event->number, n_events++);
+    event_bytes = static_cast<std::int64_t>(event->bytes.size());
+  }
+  EXPECT_EQ(reader.TruncatedBytes(), 0);
+  EXPECT_TRUE(reader.Damage().empty());
+  EXPECT_GE(n_events, kTicks - (1 << 16) / event_bytes);
 }
 
 image_t SmoothImage(int width, int height) {
@@ -146,6 +174,7 @@ TEST(Recorder, JpegKeepsThePictureAndRawTheBytes) {
     bus.Publish(channel::Stereo(0), frame);
     while (bus.Handle(0)) continue;
     recorder.WriteTick(TickAt(0));
+    recorder.WriteEnd(run_end_t{});
 
     RunLogReader reader(file);
     const auto event = reader.Next();
