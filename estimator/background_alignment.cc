@@ -1,6 +1,10 @@
 #include "estimator/background_alignment.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -9,27 +13,68 @@ namespace windhover {
 namespace {
 
 constexpr int kCellsAcross = 8, kCellsDown = 5;
-constexpr int kSteps = 2;           // Halvings before the full search.
-constexpr double kTruncation = 40;  // Larger differences are no worse: an occlusion.
-constexpr int kFewCells = 8;        // Of kCellsAcross · kCellsDown.
-constexpr float kTexture = 2.5F;    // Least spread of a cell's cost that is not noise.
+constexpr int kSteps = 2;         // Halvings before the full search.
+constexpr int kTruncation = 40;   // Larger differences are no worse: an occlusion.
+constexpr int kFewCells = 8;      // Of kCellsAcross · kCellsDown.
+constexpr float kTexture = 2.5F;  // Least spread of a cell's cost that is not noise.
+
+/// One number of each cell, row by row.
+using Cells = std::array<float, kCellsAcross * kCellsDown>;
+
+/// Adds the truncated differences of two rows of `width` pixels to `sums`.
+void AddDifferences(const uchar* left, const uchar* right, int width, std::uint16_t* sums) {
+  for (int x = 0; x < width; ++x) {
+    const int difference = left[x] > right[x] ? left[x] - right[x] : right[x] - left[x];
+    sums[x] = static_cast<std::uint16_t>(sums[x] + std::min(difference, kTruncation));
+  }
+}
 
 /// Mean truncated difference of each cell between left and right shifted by `shift`. The cells
-/// cover the part of left that stays inside right for every shift up to `margin`.
-cv::Mat CellCosts(const cv::Mat& left, const cv::Mat& right, cv::Point shift, cv::Size margin) {
-  const cv::Rect inside(margin.width, margin.height, left.cols - 2 * margin.width,
-                        left.rows - 2 * margin.height);
-  cv::Mat difference, cells;
-  cv::absdiff(left(inside), right(inside - shift), difference);
-  cv::threshold(difference, difference, kTruncation, 0, cv::THRESH_TRUNC);
-  difference.convertTo(difference, CV_32F);
-  cv::resize(difference, cells, {kCellsAcross, kCellsDown}, 0, 0, cv::INTER_AREA);
+/// cover the part of left that stays inside right for every shift up to `margin`; `columns` is
+/// memory to work in.
+Cells CellCosts(const cv::Mat& left, const cv::Mat& right, cv::Point shift, cv::Size margin,
+                std::vector<std::uint16_t>* columns) {
+  const int width = left.cols - 2 * margin.width, height = left.rows - 2 * margin.height;
+  Cells cells;
+  for (int down = 0; down < kCellsDown; ++down) {
+    const int top = height * down / kCellsDown, bottom = height * (down + 1) / kCellsDown;
+    columns->assign(static_cast<std::size_t>(width), 0);  // 1,638 rows of a cell fit.
+    for (int y = margin.height + top; y < margin.height + bottom; ++y) {
+      AddDifferences(left.ptr(y) + margin.width, right.ptr(y - shift.y) + margin.width - shift.x,
+                     width, columns->data());
+    }
+    for (int across = 0; across < kCellsAcross; ++across) {
+      const int begin = width * across / kCellsAcross, end = width * (across + 1) / kCellsAcross;
+      const int sum = std::accumulate(columns->begin() + begin, columns->begin() + end, 0);
+      const int area = std::max(1, (end - begin) * (bottom - top));
+      cells[static_cast<std::size_t>(down * kCellsAcross + across)] =
+          static_cast<float>(sum) / static_cast<float>(area);
+    }
+  }
   return cells;
 }
 
-void KeepExtremes(const cv::Mat& values, cv::Mat* least, cv::Mat* most) {
-  *least = least->empty() ? values.clone() : cv::Mat(cv::min(*least, values));
-  *most = most->empty() ? values.clone() : cv::Mat(cv::max(*most, values));
+/// The least and the most of each cell.
+struct Extremes {
+  Cells least, most;
+
+  explicit Extremes(const Cells& first) : least(first), most(first) {}
+  void Keep(const Cells& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      least[i] = std::min(least[i], values[i]);
+      most[i] = std::max(most[i], values[i]);
+    }
+  }
+  float Spread(std::size_t i) const { return most[i] - least[i]; }
+};
+
+/// Each cell with texture says by which share of its spread `costs` is not its best.
+double Disagreement(const Cells& costs, const Extremes& all) {
+  double sum = 0;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    if (all.Spread(i) > kTexture) sum += (costs[i] - all.least[i]) / (all.Spread(i) + 1e-3F);
+  }
+  return sum;
 }
 
 /// The best shift within `reach` of `around`.
@@ -37,25 +82,29 @@ BackgroundShift Search(const cv::Mat& left, const cv::Mat& right, cv::Point arou
                        cv::Size reach) {
   const cv::Size margin(std::abs(around.x) + reach.width, std::abs(around.y) + reach.height);
   std::vector<cv::Point> shifts;
-  std::vector<cv::Mat> costs;
-  cv::Mat least, most, least_in_row, most_in_row;
+  std::vector<Cells> costs;
+  std::vector<std::uint16_t> columns;
+  std::optional<Extremes> all, in_row;
+  const auto keep = [&](std::optional<Extremes>* extremes) {
+    if (!*extremes) extremes->emplace(costs.back());
+    (*extremes)->Keep(costs.back());
+  };
   for (int dy = -reach.height; dy <= reach.height; ++dy) {
     for (int dx = -reach.width; dx <= reach.width; ++dx) {
       shifts.push_back(around + cv::Point(dx, dy));
-      costs.push_back(CellCosts(left, right, shifts.back(), margin));
-      if (dy == 0) KeepExtremes(costs.back(), &least_in_row, &most_in_row);
-      KeepExtremes(costs.back(), &least, &most);
+      costs.push_back(CellCosts(left, right, shifts.back(), margin, &columns));
+      keep(&all);
+      if (dy == 0) keep(&in_row);
     }
   }
-  const cv::Mat spread = most - least;
-  const cv::Mat has_texture = spread > kTexture;
+  BackgroundShift found{around, 0};
   // Only texture across tells the shift across: a sky that brightens upwards has none.
-  const cv::Mat has_texture_across = (most_in_row - least_in_row) > kTexture;
+  for (std::size_t i = 0; i < Cells{}.size(); ++i) {
+    if (in_row->Spread(i) > kTexture) ++found.n_textured_cells;
+  }
   double best = 1e300;
-  BackgroundShift found{around, cv::countNonZero(has_texture_across)};
   for (std::size_t i = 0; i < shifts.size(); ++i) {
-    cv::Mat vote = (costs[i] - least) / (spread + 1e-3F);
-    const double disagreement = cv::sum(vote.setTo(0, ~has_texture))[0];
+    const double disagreement = Disagreement(costs[i], *all);
     if (disagreement >= best) continue;
     best = disagreement;
     found.shift_px = shifts[i];

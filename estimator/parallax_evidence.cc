@@ -11,18 +11,27 @@ constexpr int kClear = 24;  // Least difference, summed over RGB, that is not no
 constexpr std::size_t kMaxVoters = 3000;
 constexpr int kEnough = 90;  // More evidence of one pixel does not count.
 
-/// By how much each pixel of `image` leaves [low, high], summed over RGB; saturates at 255.
-cv::Mat Unexplained(const cv::Mat& image, const cv::Mat& low, const cv::Mat& high) {
-  cv::Mat below, above;
-  cv::subtract(low, image, below);  // Saturates at 0.
-  cv::subtract(image, high, above);
-  const cv::Mat outside = below + above;
-  cv::Mat summed;
-  cv::transform(outside, summed, cv::Matx13f(1, 1, 1));
-  return summed;
+int Outside(int value, int low, int high) { return std::max({0, low - value, value - high}); }
+
+/// By how much a pixel leaves [low, high], summed over RGB.
+int Outside(const uchar* rgb, const uchar* low, const uchar* high) {
+  return Outside(rgb[0], low[0], high[0]) + Outside(rgb[1], low[1], high[1]) +
+         Outside(rgb[2], low[2], high[2]);
 }
 
-int Outside(int value, int low, int high) { return std::max({0, low - value, value - high}); }
+/// By how much each pixel of `image` leaves [low, high], summed over RGB; saturates at 255.
+cv::Mat Unexplained(const cv::Mat& image, const cv::Mat& low, const cv::Mat& high) {
+  cv::Mat summed(image.size(), CV_8U);
+  for (int y = 0; y < image.rows; ++y) {
+    const uchar *rgb = image.ptr(y), *least = low.ptr(y), *most = high.ptr(y);
+    uchar* const sums = summed.ptr(y);
+    for (int x = 0; x < image.cols; ++x) {
+      sums[x] =
+          static_cast<uchar>(std::min(255, Outside(rgb + 3 * x, least + 3 * x, most + 3 * x)));
+    }
+  }
+  return summed;
+}
 
 }  // namespace
 
@@ -59,31 +68,47 @@ void ParallaxEvidence::ListVoters() {
   voters_.resize((voters_.size() + step - 1) / step);
 }
 
-int ParallaxEvidence::VoteOf(int x, int y, int d) const {
-  const int evidence = std::min({static_cast<int>(left_evidence_.at<uchar>(y, x)),
-                                 static_cast<int>(right_evidence_.at<uchar>(y, x - d)), kEnough});
-  if (evidence < kClear) return 0;
-  const auto& left = left_rgb_.at<cv::Vec3b>(y, x);
-  const auto& low = right_low_.at<cv::Vec3b>(y, x - d);
-  const auto& high = right_high_.at<cv::Vec3b>(y, x - d);
-  const int difference = Outside(left[0], low[0], high[0]) + Outside(left[1], low[1], high[1]) +
-                         Outside(left[2], low[2], high[2]);
-  return std::max(0, evidence - 2 * difference);
-}
+/// Row y of all that decides votes.
+struct ParallaxEvidence::Rows {
+  const uchar *left_evidence, *right_evidence, *left_rgb, *right_low, *right_high;
 
-double ParallaxEvidence::Votes(int d) const {
-  int votes = 0;
-  for (const cv::Point& voter : voters_) {
-    if (voter.x >= d) votes += VoteOf(voter.x, voter.y, d);
+  Rows(const ParallaxEvidence& all, int y)
+      : left_evidence(all.left_evidence_.ptr(y)),
+        right_evidence(all.right_evidence_.ptr(y)),
+        left_rgb(all.left_rgb_.ptr(y)),
+        right_low(all.right_low_.ptr(y)),
+        right_high(all.right_high_.ptr(y)) {}
+
+  int VoteOf(int x, int d) const {
+    const int evidence = std::min(
+        {static_cast<int>(left_evidence[x]), static_cast<int>(right_evidence[x - d]), kEnough});
+    if (evidence < kClear) return 0;
+    const int at = 3 * (x - d);
+    return std::max(0, evidence - 2 * Outside(left_rgb + 3 * x, right_low + at, right_high + at));
   }
-  return static_cast<double>(votes) * pixels_per_voter_;
+};
+
+std::vector<double> ParallaxEvidence::Votes(int low, int high) const {
+  std::vector<int> votes(static_cast<std::size_t>(std::max(0, high - low + 1)));
+  // What a voter meets lies side by side.
+  for (const cv::Point& voter : voters_) {
+    const Rows rows(*this, voter.y);
+    for (int d = low; d <= std::min(high, voter.x); ++d) {
+      votes[static_cast<std::size_t>(d - low)] += rows.VoteOf(voter.x, d);
+    }
+  }
+  std::vector<double> all;
+  for (const int sum : votes) all.push_back(static_cast<double>(sum) * pixels_per_voter_);
+  return all;
 }
 
 cv::Mat ParallaxEvidence::Support(int d) const {
   cv::Mat support = cv::Mat::zeros(left_evidence_.size(), CV_8U);
   for (int y = 0; y < support.rows; ++y) {
+    const Rows rows(*this, y);
+    uchar* const supports = support.ptr(y);
     for (int x = d; x < support.cols; ++x) {
-      if (VoteOf(x, y, d) > 0) support.at<uchar>(y, x) = 255;
+      if (rows.VoteOf(x, d) > 0) supports[x] = 255;
     }
   }
   return support;

@@ -19,7 +19,8 @@ class ParallaxEvidence {
 
   /// Estimates from a few thousand pixels how much foreground has the parallax `d` px (left minus
   /// right): the sum over pixels of how clearly both images show it, less how differently.
-  double Votes(int d) const;
+  /// Element i: of `low` + i, up to `high` px.
+  std::vector<double> Votes(int low, int high) const;
 
   /// The pixels of the left image that vote for `d`: 255, others 0.
   cv::Mat Support(int d) const;
@@ -32,7 +33,7 @@ class ParallaxEvidence {
 
  private:
   void ListVoters();
-  int VoteOf(int x, int y, int d) const;
+  struct Rows;
 
   cv::Mat left_rgb_, right_rgb_;
   cv::Mat right_low_, right_high_;          ///< Extremes of right around each pixel.

@@ -35,15 +35,12 @@ std::optional<Segment> LargestPart(const cv::Mat& support, int d, int min_area_p
 
 std::optional<Segment> StrongestSegment(const ParallaxEvidence& evidence, int low, int high,
                                         int min_area_px) {
-  int best_d = 0;
-  double most_votes = 0;
-  for (int d = std::max(1, low); d <= std::min(high, evidence.size().width - 1); ++d) {
-    const double votes = evidence.Votes(d);
-    if (votes <= most_votes) continue;
-    most_votes = votes;
-    best_d = d;
-  }
-  if (best_d == 0) return std::nullopt;
+  low = std::max(1, low);
+  const std::vector<double> votes = evidence.Votes(low, std::min(high, evidence.size().width - 1));
+  const auto most = std::max_element(votes.begin(), votes.end());
+  if (most == votes.end() || *most <= 0) return std::nullopt;
+  const double most_votes = *most;
+  const int best_d = low + static_cast<int>(most - votes.begin());
   auto segment = LargestPart(evidence.Support(best_d), best_d, min_area_px);
   if (segment) segment->votes = most_votes;
   return segment;
