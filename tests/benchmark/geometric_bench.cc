@@ -6,12 +6,8 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "common/bus/tick_client.h"
-#include "estimator/estimator_node.h"
 #include "learn/tuple_source.h"
-#include "render/render_node.h"
-#include "sim/sim_node.h"
-#include "swarm/swarm_node.h"
+#include "tests/support/one_bus.h"
 
 namespace windhover {
 namespace {
@@ -51,21 +47,10 @@ void BM_ClosedLoop(benchmark::State& state, const char* preset) {
       "position_m: [14, 0, 20]}, {time_s: 100, position_m: [80, 20, 25]}]}]"};
   const Scenario scenario = LoadScenario(
       fmt::format("{}/scenarios/presets/{}.yaml", WINDHOVER_SOURCE_DIR, preset), overrides);
-  const AircraftConfig config = scenario.ForAircraft();
   const auto log = std::filesystem::temp_directory_path() / "windhover_closed_loop.lcm";
   int n_ticks = 0;
   for (auto _ : state) {
-    SimOptions options;
-    options.run_id = 1;
-    options.log_file = log;
-    Bus bus("memq://");
-    SimNode sim(scenario, options, bus);
-    TickClient render_client(bus, "render-0", 1), estimator_client(bus, "estimator-0", 1),
-        swarm_client(bus, "swarm-0", 1);
-    const RenderNode render(scenario, {}, 1, render_client);
-    const EstimatorNode estimator(config, {}, estimator_client);
-    const SwarmNode swarm(config, {}, swarm_client);
-    const RunOutcome outcome = sim.Run();
+    const RunOutcome outcome = RunOnOneBus(scenario, log);
     if (!outcome.valid) state.SkipWithError(outcome.reason.c_str());
     n_ticks += outcome.n_ticks;
   }

@@ -4,17 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "common/bus/tick_client.h"
 #include "common/config/fields.h"
-#include "estimator/estimator_node.h"
 #include "eval/run_log_record.h"
 #include "eval/samples.h"
 #include "learn/method_trial.h"
 #include "learn/recorded_tuples.h"
-#include "render/render_node.h"
 #include "scenarios/dataset.h"
-#include "sim/sim_node.h"
-#include "swarm/swarm_node.h"
+#include "tests/support/one_bus.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
@@ -33,20 +29,10 @@ Scenario Base(const std::string& preset, std::vector<std::string> overrides) {
 // A run in one process, as its log tells it.
 RunRecord Flown(const Scenario& scenario) {
   const TemporaryFolder folder;
-  SimOptions options;
-  options.run_id = 1;
-  options.log_file = folder.path() / "run.lcm";
-  Bus bus("memq://");
-  SimNode sim(scenario, options, bus);
-  const AircraftConfig config = scenario.ForAircraft();
-  TickClient render_client(bus, "render-0", 1), estimator_client(bus, "estimator-0", 1),
-      swarm_client(bus, "swarm-0", 1);
-  const RenderNode render(scenario, {}, 1, render_client);
-  const EstimatorNode estimator(config, {}, estimator_client);
-  const SwarmNode swarm(config, {}, swarm_client);
-  const RunOutcome outcome = sim.Run();
+  const std::filesystem::path log = folder.path() / "run.lcm";
+  const RunOutcome outcome = RunOnOneBus(scenario, log);
   EXPECT_TRUE(outcome.valid) << outcome.reason;
-  return ReadRunRecord(options.log_file);
+  return ReadRunRecord(log);
 }
 
 std::vector<StereoTuple> FlownThroughTheLoop(const Scenario& flight, int number) {
