@@ -8,8 +8,8 @@
 
 namespace windhover {
 
-/// A scenario or preset as the base of a data set (scenarios/dataset.h): nothing is drawn, nothing
-/// learned is needed. A preset, which has no aircraft and no words, gets them.
+/// A scenario or preset as the base of a data set (scenarios/dataset.h): nothing is drawn, no card
+/// of what was learned before is needed. A preset, which has no aircraft and no words, gets them.
 /// @throws ConfigError as LoadScenario.
 Scenario LoadDatasetBase(const std::filesystem::path& file, std::vector<std::string> overrides);
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "cli/command.h"
+#include "cli/dataset_scenario.h"
 #include "cli/progress.h"
 #include "common/file/sha256.h"
 #include "common/file/whole_file.h"
@@ -44,17 +45,10 @@ PcmRecipe RecipeOf(const Options& options) {
   return recipe;
 }
 
-// A preset has no aircraft and no words; a data set brings its own.
 Scenario BaseOf(const Options& options, const std::vector<std::string>& more = {}) {
   std::vector<std::string> overrides = options.overrides;
   overrides.insert(overrides.end(), more.begin(), more.end());
-  if (fs::path(options.scenario).parent_path().filename() == "presets") {
-    overrides.insert(overrides.begin(), {"aircraft=[{id: 0}]", "description=preset"});
-  }
-  // What is trained needs no card that was trained before.
-  overrides.insert(overrides.end(), {"observe=geometric", "estimator.methods=[baseline]",
-                                     "estimator.in_loop=baseline", "estimator.correction=''"});
-  return LoadUndrawnScenario(options.scenario, overrides);
+  return LoadDatasetBase(options.scenario, std::move(overrides));
 }
 
 /// Folders of runs, instead of a scenario.
