@@ -82,8 +82,12 @@ void DataCard::CountTargets(const LabelledPair& pair, Counts* counts) const {
   for (const target_annotation_t& target : pair.annotation.targets) {
     if (target.left.visible.w_px <= 0 || target.right.visible.w_px <= 0) continue;
     ++counts->targets;
-    counts->truncated += target.left.truncation > 0 || target.right.truncation > 0;
-    counts->occluded += target.left.occlusion > 0 || target.right.occlusion > 0;
+    // A share of a thousandth is less than a row of pixels.
+    const auto either = [&](double target_view_t::*share) {
+      return std::max(target.left.*share, target.right.*share) > 1e-3;
+    };
+    counts->truncated += either(&target_view_t::truncation);
+    counts->occluded += either(&target_view_t::occlusion);
     ++counts->by_distance[bin(target.range_m, kDistanceStep_m)];
     ++counts->by_width[bin(target.left.visible.w_px, kSizeStep_px)];
   }
