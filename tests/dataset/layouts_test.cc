@@ -11,6 +11,7 @@
 #include "dataset/coco_layout.h"
 #include "dataset/kitti_layout.h"
 #include "dataset/npy_writer.h"
+#include "learn/uavde_file.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -135,6 +136,24 @@ TEST(EverySingleLayout, WritesOnePairOfEachFormat) {
     }
     EXPECT_GT(files, 0);
   }
+}
+
+TEST(UavdeNpyWriter, TrainingReadsItBack) {
+  const TemporaryFolder folder;
+  UavdeNpyWriter writer(folder.path() / "a.npy");
+  for (const float distance_m : {3.5f, 4.5f, 5.5f}) {
+    writer.Add({{0, .25f, .5f, .1f, .1f, .5f}, {0, .5f, .25f, .125f, .0625f, .75f}},
+               {{0, .375f, .25f, .125f, .0625f, .75f}}, distance_m, "a-1.txt\n");
+  }
+  writer.Finish();
+  const std::vector<StereoTuple> tuples = ReadUavdeFile(folder.path() / "a.npy", 1280, 720);
+  ASSERT_EQ(tuples.size(), 3u);
+  EXPECT_EQ(tuples[2].range_m, 5.5);
+  // The last row counts; a share of 1/2 lies between the two middle pixels.
+  EXPECT_EQ(tuples[2].box.left.x_px, 639.5);
+  EXPECT_EQ(tuples[2].box.left.w_px, 160);
+  EXPECT_EQ(tuples[2].box.right.x_px, 479.5);
+  EXPECT_EQ(tuples[2].box.right.h_px, 45);
 }
 
 // numpy.save is what the authors' code was written with; numpy reads our file to what it was.
