@@ -1,5 +1,6 @@
 #include "dataset/kitti_layout.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -56,8 +57,8 @@ std::string LineOf(const LabelledPair& pair, std::size_t i) {
   return fmt::format(
       "UAV {:.2f} {} {:.6f} {:.2f} {:.2f} {:.2f} {:.2f} {:.4f} {:.4f} {:.4f} {:.4f} {:.4f} {:.4f} "
       "{:.6f}\n",
-      target.left.truncation, OcclusionLevel(target.left.occlusion), alpha_rad, box.left_px,
-      box.top_px, box.right_px - 1, box.bottom_px - 1, size_m[0], size_m[1], size_m[2],
+      std::max(target.left.truncation, 0.0), OcclusionLevel(target.left.occlusion), alpha_rad,
+      box.left_px, box.top_px, box.right_px - 1, box.bottom_px - 1, size_m[0], size_m[1], size_m[2],
       centre_C_m.x(), centre_C_m.y() + size_m[0] / 2, centre_C_m.z(), yaw_rad);
 }
 
