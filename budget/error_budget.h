@@ -71,8 +71,8 @@ struct ErrorBudget {
   std::vector<Effect> first_order_sum;  ///< Biases summed, deviations by root of sum of squares.
   std::vector<Effect> simulated_sum;    ///< The same of the simulated rows.
   std::vector<double> beside_constants_sum_m;  ///< Root of the sum of squares.
-  std::vector<Effect> together;     ///< Simulated with everything on.
-  std::vector<double> no_distance;  ///< Then.
+  std::vector<Effect> together;                ///< Simulated with everything on.
+  std::vector<double> no_distance;             ///< Then.
 };
 
 /// The first-order and the simulated effect of everything that `scenario` switches on: one at a

@@ -5,8 +5,9 @@ namespace windhover {
 /// What labelled detections of one kind of rig and target taught (learn/fit_priors.h). All errors
 /// are measured minus true, all sigmas standard deviations.
 ///
-/// With w, h the geometric mean width and height of both boxes in focal lengths, d the distance that labels
-/// measure, r that from the middle of the baseline and θ the angle from the optical axis:
+/// With w, h the geometric mean width and height of both boxes in focal lengths, d the distance
+/// that labels measure, r that from the middle of the baseline and θ the angle from the optical
+/// axis:
 ///
 ///     d = r + lever_m        disparity = f B / (r cos θ) + offset_px
 ///     log(d cos θ) = size_log_m + width_exponent · log w + height_exponent · log h

@@ -26,8 +26,7 @@ FittedPriors UnfittedPriors(const EstimatorConfig& config) {
   return priors;
 }
 
-Fusion::Fusion(const AircraftConfig& config)
-    : Fusion(config, UnfittedPriors(config.estimator)) {}
+Fusion::Fusion(const AircraftConfig& config) : Fusion(config, UnfittedPriors(config.estimator)) {}
 
 Fusion::Fusion(const AircraftConfig& config, const FittedPriors& priors)
     : rig_(config.rig.ToStereoRig()), priors_(priors) {}

@@ -16,8 +16,8 @@
 
 namespace windhover {
 struct RenderNodeOptions {
-  bool preview = false;              ///< Also bare images for viewers.
-  bool shares_frames = false;        ///< Pixels travel through shared memory.
+  bool preview = false;                   ///< Also bare images for viewers.
+  bool shares_frames = false;             ///< Pixels travel through shared memory.
   std::filesystem::path frames_dir = {};  ///< Takes the key frames for the report; empty: none.
 };
 

@@ -17,8 +17,8 @@ const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/"
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
   for (const char* command :
-       {"run", "bench", "export", "mesh-info", "budget", "check", "keys", "replay", "reproduce", "score",
-        "report", "snapshot", "train", "doctor", "spy"}) {
+       {"run", "bench", "export", "mesh-info", "budget", "check", "keys", "replay", "reproduce",
+        "score", "report", "snapshot", "train", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);

@@ -25,7 +25,8 @@ using testing::SizeIs;
 class RenderNodeTest : public testing::Test {
  protected:
   void Run(Observe observe, ProcessShare share = {}, bool preview = false) {
-    RenderNode node(ExampleScenario(observe), share, 1, client_, {.preview = preview, .frames_dir = {}});
+    RenderNode node(ExampleScenario(observe), share, 1, client_,
+                    {.preview = preview, .frames_dir = {}});
     for (const int id : {0, 1, 2, 3}) {
       Keep(channel::Stereo(id), &frames_);
       Keep(channel::FrameDigest(id), &digests_);
