@@ -37,12 +37,24 @@ std::string ContentOf(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+// What a killed export had begun to write beside its place (WholeFile).
+void RemoveParts(const fs::path& folder) {
+  std::vector<fs::path> parts;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() == ".part") parts.push_back(entry.path());
+  }
+  for (const fs::path& part : parts) fs::remove(part);
+}
+
 // @return the folder of what is unfinished.
 fs::path Begin(const ExportPlan& plan) {
   const fs::path unfinished = plan.folder / kUnfinished, file = unfinished / "plan.json";
   const std::string text = TextOf(plan);
   if (fs::exists(file)) {
-    if (ContentOf(file) == text) return unfinished;
+    if (ContentOf(file) == text) {
+      RemoveParts(plan.folder);
+      return unfinished;
+    }
     throw ConfigError(fmt::format(
         "--out must be new, empty or the same export unfinished (found another one in '{}')",
         plan.folder.string()));
