@@ -1,5 +1,6 @@
 #include "rig/box_noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -39,12 +40,19 @@ void AddGrossError(const GeometricConfig& config, const BoxSize& size, RandomStr
 
 }  // namespace
 
+double MissProbability(const GeometricConfig& config, double width_px) {
+  if (config.miss_width_px == 0) return config.miss_rate;
+  const double narrow =
+      1 / (1 + std::exp((width_px - config.miss_width_px) / config.miss_softness_px));
+  return config.miss_rate + (1 - config.miss_rate) * narrow;
+}
+
 BoxNoise::BoxNoise(const GeometricConfig& config, std::uint64_t seed, std::string name)
     : config_(config), seed_(seed), name_(std::move(name)) {}
 
 std::optional<BoxErrors> BoxNoise::At(int tick, const BoxSize& left, const BoxSize& right) const {
   RandomStream stream = StreamAt(seed_, name_, tick);
-  if (stream.Uniform() < config_.miss_rate) return std::nullopt;
+  if (stream.Uniform() < MissProbability(config_, std::min(left[0], right[0]))) return std::nullopt;
   BoxErrors errors;
   const auto add = [&](double BoxErrors::OneImage::*value, int side, double factor) {
     const auto sigma_px = [&](const BoxSize& size) {

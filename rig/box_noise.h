@@ -9,8 +9,15 @@
 
 namespace windhover {
 
+/// Whose noise the boxes have: what the scenario says, or what was measured of its detector.
+enum class BoxNoiseSource { kPreset, kFitted };
+template <>
+inline constexpr EnumNames<BoxNoiseSource> kEnumNames<BoxNoiseSource>{
+    {BoxNoiseSource::kPreset, "preset"}, {BoxNoiseSource::kFitted, "fitted"}};
+
 /// Noise of the boxes in `observe: geometric`: how a detector errs that needs no pixels.
 struct GeometricConfig {
+  BoxNoiseSource noise = BoxNoiseSource::kPreset;
   double sigma_px = 1;
   double sigma_relative = 0.01;
   double size_factor = 1;
@@ -18,9 +25,13 @@ struct GeometricConfig {
   double gross_rate = 0;
   double gross_sigma = 0.12;
   double miss_rate = 0;
+  double miss_width_px = 0;
+  double miss_softness_px = 2;
 
   template <typename Visitor>
   void Fields(Visitor& v) {
+    v.Field("noise", noise, AnyEnum{},
+            "the values below (preset), or those in estimator.detector_model's card (fitted)");
     v.Field("sigma_px", sigma_px, InRange{0, 100}, "noise of a box's centre");
     v.Field("sigma_relative", sigma_relative, InRange{0, 1}, "the same, per px of box size");
     v.Field("size_factor", size_factor, InRange{0, 10},
@@ -29,6 +40,10 @@ struct GeometricConfig {
     v.Field("gross_rate", gross_rate, InRange{0, 1}, "share of boxes that are badly misplaced");
     v.Field("gross_sigma", gross_sigma, InRange{0, 10}, "how far, relative to the box size");
     v.Field("miss_rate", miss_rate, InRange{0, 1}, "share of frames without a detection");
+    v.Field("miss_width_px", miss_width_px, InRange{0, 1000},
+            "width of a box that is missed half of the time, beyond miss_rate; 0: none is");
+    v.Field("miss_softness_px", miss_softness_px, InRange{0.01, 1000},
+            "how gradually boxes are missed more as they get narrower");
   }
 };
 
@@ -42,6 +57,10 @@ struct BoxErrors {
 
 /// Size of a box, px: width, height.
 using BoxSize = std::array<double, 2>;
+
+/// How likely a target is missed whose narrower box is `width_px` wide: miss_rate, and a logistic
+/// function of the width on top of it.
+double MissProbability(const GeometricConfig& config, double width_px);
 
 /// The noise of one target's boxes as a function of the tick alone. Each edge of a box errs by
 /// hypot(sigma_px, sigma_relative · size) in its centre and by size_factor times that in its

@@ -79,8 +79,12 @@ inline const std::vector<std::string> kRangeMethods = {
     "baseline", "offset1",      "size",      "fusion",  "pcm",
     "pcm_dic",  "pcm_dic_star", "joint_mlp", "selfcal", "fused"};
 
+/// Every detector; all but `classical` are trained.
+inline const std::vector<std::string> kDetectors = {"classical", "yolox_nano", "yolox_small"};
+
 struct EstimatorConfig {
   std::string detector = "classical";
+  InputFile detector_model;
   std::vector<std::string> methods = {"baseline"};
   std::string in_loop = "baseline";  ///< The method that swarm flies on; one of `methods`.
   double offset1_px = 0;
@@ -132,7 +136,9 @@ AircraftConfig LoadAircraftConfig(const std::filesystem::path& file);
 
 template <typename Visitor>
 void EstimatorConfig::Fields(Visitor& v) {
-  v.Field("detector", detector, OneOf{{"classical"}}, "finds aircraft in images (observe: image)");
+  v.Field("detector", detector, OneOf{kDetectors}, "finds aircraft in images (observe: image)");
+  v.Field("detector_model", detector_model, MayBeEmpty{},
+          "card of a trained detector, as `windhover train detector` writes it");
   v.Field("methods", methods, ItemsOneOf{kRangeMethods},
           "distance estimators, all run on the same frames");
   v.Field("in_loop", in_loop, OneOf{kRangeMethods}, "the method the swarm flies on");

@@ -59,6 +59,7 @@ class RuleChecker {
     CheckFocus("optics.left.focus_m", scenario_.optics.left.focus_m);
     CheckFocus("optics.right.focus_m", scenario_.optics.right.focus_m);
     CheckEstimator();
+    CheckDetector();
     CheckExpectations();
     if (scenario_.aircraft.empty()) MustBe("aircraft", "a list of at least one", "none");
     for (std::size_t i = 0; i < scenario_.aircraft.size(); ++i) CheckAircraft(i);
@@ -227,6 +228,19 @@ class RuleChecker {
       MustBe("score.collision_m",
              fmt::format("at most near_miss_m, {}", scenario_.score.near_miss_m),
              fmt::format("'{}'", scenario_.score.collision_m), {"score.near_miss_m"});
+    }
+  }
+
+  void CheckDetector() {
+    const EstimatorConfig& estimator = scenario_.estimator;
+    if (estimator.detector != "classical" && estimator.detector_model.empty()) {
+      MustBe("estimator.detector_model",
+             fmt::format("the card of a trained {}", estimator.detector), "none",
+             {"estimator.detector"});
+    }
+    if (scenario_.geometric.noise == BoxNoiseSource::kFitted && estimator.detector_model.empty()) {
+      MustBe("estimator.detector_model", "the card of a detector, for geometric.noise: fitted",
+             "none", {"geometric.noise"});
     }
   }
 
