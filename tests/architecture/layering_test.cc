@@ -25,7 +25,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"scenarios", {"common", "camera", "rig"}},
     {"sim", {"common", "camera", "rig", "scenarios", "lcmtypes"}},
     {"render", {"common", "camera", "rig", "scenarios", "lcmtypes"}},
-    {"network", {"common"}},
+    {"network", {"common", "lcmtypes"}},
     {"estimator", {"common", "camera", "network", "scenarios", "lcmtypes"}},
     {"swarm", {"common", "scenarios", "lcmtypes"}},
     {"eval", {"common", "camera", "scenarios", "lcmtypes"}},
