@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "estimator/mixer_pass.h"
-#include "learn/onnx_writer.h"
+#include "network/onnx_writer.h"
 
 namespace windhover {
 namespace {

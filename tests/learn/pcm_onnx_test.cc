@@ -13,7 +13,7 @@
 #include <opencv2/dnn.hpp>
 
 #include "common/random/random_stream.h"
-#include "learn/onnx_writer.h"
+#include "network/onnx_writer.h"
 
 namespace windhover {
 namespace {

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,15 +23,19 @@ class OnnxWriter {
 
   /// What an operator takes and gives: the name of a tensor.
   using Tensor = std::string;
-  /// A list of whole numbers, such as {"perm", {0, 2, 1}}, or one: {"keepdims", 1}.
+  /// A list of whole numbers, such as {"perm", {0, 2, 1}}, or one: {"keepdims", 1}; or a word.
   struct Attribute {
+    enum class Kind { kNumber, kNumbers, kWord };
     Attribute(const char* attribute, std::int64_t value)
-        : name(attribute), is_list(false), values{value} {}
+        : name(attribute), kind(Kind::kNumber), values{value} {}
     Attribute(const char* attribute, std::initializer_list<std::int64_t> list)
-        : name(attribute), is_list(true), values(list) {}
+        : name(attribute), kind(Kind::kNumbers), values(list) {}
+    Attribute(const char* attribute, std::string_view value)
+        : name(attribute), kind(Kind::kWord), word(value) {}
     std::string name;
-    bool is_list;
+    Kind kind;
     std::vector<std::int64_t> values;
+    std::string word;
   };
 
   Tensor Input(const std::string& name, const OnnxShape& shape);
@@ -42,7 +47,7 @@ class OnnxWriter {
   /// A number that belongs to the method: a tensor full of it, by a node of its own.
   Tensor Constant(float value, const OnnxShape& shape = {1});
 
-  /// The result of an operator of ONNX's standard set.
+  /// The result of an operator of ONNX's standard set. An input that is left out is "".
   Tensor Apply(const char* op, const std::vector<Tensor>& inputs,
                const std::vector<Attribute>& attributes = {});
 

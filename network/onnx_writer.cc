@@ -1,4 +1,4 @@
-#include "learn/onnx_writer.h"
+#include "network/onnx_writer.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little, "raw_data is little-en
 
 // TensorProto.DataType and AttributeProto.AttributeType.
 constexpr int kFloat = 1, kInt64 = 7;
-constexpr int kAttributeInt = 2, kAttributeTensor = 4, kAttributeInts = 7;
+constexpr int kAttributeInt = 2, kAttributeString = 3, kAttributeTensor = 4, kAttributeInts = 7;
 
 // --- Protobuf: each of these is one field of a message. -----------------------------------------
 
@@ -60,8 +60,12 @@ std::string ValueInfoProto(const std::string& name, const OnnxShape& shape) {
 }
 
 std::string AttributeProto(const OnnxWriter::Attribute& attribute) {
-  if (attribute.is_list) {
+  using Kind = OnnxWriter::Attribute::Kind;
+  if (attribute.kind == Kind::kNumbers) {
     return Text(1, attribute.name) + Numbers(8, attribute.values) + Number(20, kAttributeInts);
+  }
+  if (attribute.kind == Kind::kWord) {
+    return Text(1, attribute.name) + Text(4, attribute.word) + Number(20, kAttributeString);
   }
   return Text(1, attribute.name) + Number(3, attribute.values.front()) + Number(20, kAttributeInt);
 }
