@@ -1,0 +1,210 @@
+#include "learn/detector/detector_trainer.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/random/random_stream.h"
+#include "learn/detector/torch_network.h"
+#include "network/detector_input.h"
+#include "network/network_onnx.h"
+
+namespace windhover {
+namespace {
+
+constexpr int kSide_px = 64;
+constexpr int kBatch = 32;  // Below 16 a thread libtorch takes a slower way.
+
+/// A dark cross with a light hub (a quadrotor from above, to a child) before noise; every eighth
+/// picture is empty.
+DetectorSample Picture(RandomStream* random, bool empty) {
+  DetectorSample sample{.rgb = cv::Mat(kSide_px, kSide_px, CV_8UC3), .box = {}};
+  for (auto it = sample.rgb.begin<cv::Vec3b>(); it != sample.rgb.end<cv::Vec3b>(); ++it) {
+    for (int c = 0; c < 3; ++c) {
+      (*it)[c] = cv::saturate_cast<uchar>(140 + 20 * random->Normal());
+    }
+  }
+  if (empty) return sample;
+  const int half = static_cast<int>(random->Uniform(5, 14));
+  const auto x = static_cast<int>(random->Uniform(half, kSide_px - half));
+  const auto y = static_cast<int>(random->Uniform(half, kSide_px - half));
+  const cv::Point centre(x, y), a(half, half), b(half, -half);
+  cv::line(sample.rgb, centre - a, centre + a, cv::Scalar(30, 30, 40), 2);
+  cv::line(sample.rgb, centre - b, centre + b, cv::Scalar(30, 30, 40), 2);
+  cv::circle(sample.rgb, centre, half / 3, cv::Scalar(230, 120, 40), cv::FILLED);
+  sample.box = image_box_t{double(x), double(y), 2.0 * half + 1, 2.0 * half + 1};
+  return sample;
+}
+
+std::vector<DetectorSample> PictureBatch(int step, const char* name = "train") {
+  std::vector<DetectorSample> batch;
+  for (int i = 0; i < kBatch; ++i) {
+    RandomStream random(static_cast<std::uint64_t>(step * kBatch + i), name);
+    batch.push_back(Picture(&random, i % 8 == 0));
+  }
+  return batch;
+}
+
+/// Shares of the pictures with a target whose best box overlaps it by half.
+double HitShare(const DetectorTrainer& trainer, const NetworkWeights& weights) {
+  const YoloxNetwork plain = WithoutNorm(trainer.network());
+  TorchNetwork torch(plain);
+  LearnedNetwork folded;
+  for (const ConvWeights& own : weights.layers) {
+    auto& p = folded.parameters;
+    p.insert(p.end(), own.weight.begin(), own.weight.end());
+    p.insert(p.end(), own.bias.begin(), own.bias.end());
+  }
+  int hits = 0, targets = 0;
+  const std::vector<DetectorSample> batch = PictureBatch(0, "held out");
+  const auto outputs = torch.Outputs(batch, folded);
+  for (std::size_t image = 0; image < batch.size(); ++image) {
+    double best = -1e9, overlap = 0;
+    for (std::size_t l = 0; batch[image].box && l < outputs.size(); ++l) {
+      const int columns = kSide_px / plain.strides[l];
+      const auto area = static_cast<std::size_t>(columns * columns);
+      for (std::size_t i = 0; i < area; ++i) {
+        const auto at = [&](std::size_t n) {
+          return double{outputs[l][(image * 6 + n) * area + i]};
+        };
+        const CellPrediction cell = {plain.strides[l],
+                                     static_cast<int>(i) / columns,
+                                     static_cast<int>(i) % columns,
+                                     at(0),
+                                     at(1),
+                                     at(2),
+                                     at(3),
+                                     at(4),
+                                     at(5)};
+        const double score = -std::log1p(std::exp(-cell.obj)) - std::log1p(std::exp(-cell.cls));
+        if (score <= best) continue;
+        best = score;
+        overlap = OverlapOf(cell.Box(), *batch[image].box);
+      }
+    }
+    targets += batch[image].box ? 1 : 0;
+    hits += overlap > 0.5 ? 1 : 0;
+  }
+  return static_cast<double>(hits) / targets;
+}
+
+std::vector<float> Numbers(const NetworkWeights& weights) {
+  std::vector<float> all;
+  for (const ConvWeights& own : weights.layers) {
+    all.insert(all.end(), own.weight.begin(), own.weight.end());
+    all.insert(all.end(), own.bias.begin(), own.bias.end());
+  }
+  return all;
+}
+
+// --- libtorch against the table, by way of the written file and OpenCV. --------------------------
+
+TEST(TorchNetwork, GivesWhatTheWrittenNetworkGives) {
+  const YoloxNetwork network = MakeYolox("yolox_nano");
+  LearnedNetwork learned = InitialNetwork(network.table, 1);
+  RandomStream random(1, "test/statistics");
+  for (float& value : learned.statistics) value = static_cast<float>(random.Uniform(0.2, 0.9));
+  const std::vector<DetectorSample> batch = {Picture(&random, false)};
+  const auto outputs = TorchNetwork(network).Outputs(batch, learned);
+  const std::string model =
+      NetworkOnnx(network.table, Folded(network.table, learned), kSide_px, kSide_px);
+  cv::dnn::Net net = cv::dnn::readNetFromONNX(model.data(), model.size());
+  cv::Mat image(std::vector<int>{1, 3, kSide_px, kSide_px}, CV_32F);
+  ToPlanes(batch[0].rgb, {image.ptr<float>(), image.total()});
+  net.setInput(image);
+  for (std::size_t l = 0; l < outputs.size(); ++l) {
+    const cv::Mat expected = net.forward("head" + std::to_string(l));
+    ASSERT_EQ(expected.total(), outputs[l].size());
+    const double largest = cv::norm(expected, cv::NORM_INF);
+    for (std::size_t i = 0; i < outputs[l].size(); ++i) {
+      // float's 6e-8 of each of some hundred sums on the way.
+      ASSERT_NEAR(outputs[l][i], expected.ptr<float>()[i], 1e-5 * largest);
+    }
+  }
+}
+
+// --- Numeric derivative. -------------------------------------------------------------------------
+
+// Along the gradient g the loss rises by |g|². Without targets the loss is smooth: none is
+// assigned.
+TEST(TorchNetwork, GradientIsTheDerivative) {
+  const YoloxNetwork network = MakeYolox("yolox_nano");
+  const LearnedNetwork start = InitialNetwork(network.table, 1);
+  RandomStream random(2, "test/empty");
+  std::vector<DetectorSample> batch;
+  for (int i = 0; i < 16; ++i) batch.push_back(Picture(&random, false));
+  for (DetectorSample& sample : batch) sample.box.reset();
+  TorchNetwork torch(network);
+  std::vector<float> gradient, ignored;
+  LearnedNetwork here = start;
+  torch.Gradient(batch, &here, &gradient);
+  double squares = 0;
+  for (const float g : gradient) squares += static_cast<double>(g) * g;
+  const auto loss_at = [&](double offset) {
+    LearnedNetwork moved = start;
+    const auto step = static_cast<float>(offset / std::sqrt(squares));
+    for (std::size_t i = 0; i < gradient.size(); ++i) moved.parameters[i] += step * gradient[i];
+    return torch.Gradient(batch, &moved, &ignored).Total();
+  };
+  const double slope = (loss_at(3e-4) - loss_at(-3e-4)) / 6e-4;
+  // float's rounding of a loss of 14 gives 3e-4; the curvature is less.
+  EXPECT_NEAR(slope / std::sqrt(squares), 1, 1e-3);
+}
+
+// --- The trainer. --------------------------------------------------------------------------------
+
+DetectorRecipe TinyRecipe(int steps) {
+  DetectorRecipe recipe;
+  recipe.steps = steps;
+  recipe.rate = 4e-3;
+  return recipe;
+}
+
+TEST(DetectorTrainer, GoesOnToTheSameBitsOnAnyNumberOfThreads) {
+  DetectorTrainer whole(TinyRecipe(4), 1), first(TinyRecipe(4), 2), second(TinyRecipe(4), 2);
+  for (int step = 0; step < 4; ++step) ASSERT_TRUE(whole.Step(PictureBatch(step)));
+  for (int step = 0; step < 2; ++step) ASSERT_TRUE(first.Step(PictureBatch(step)));
+  second.Restore(nlohmann::json::from_cbor(nlohmann::json::to_cbor(first.State())));
+  EXPECT_EQ(second.steps_done(), 2);
+  for (int step = 2; step < 4; ++step) ASSERT_TRUE(second.Step(PictureBatch(step)));
+  EXPECT_EQ(Numbers(second.Average()), Numbers(whole.Average()));
+  EXPECT_NE(Numbers(first.Average()), Numbers(whole.Average()));
+}
+
+TEST(DetectorTrainer, RefusesTheStateOfAnotherNetwork) {
+  DetectorRecipe other = TinyRecipe(4);
+  other.network = "yolox_nano";
+  DetectorTrainer small(TinyRecipe(4), 1), nano(other, 1);
+  EXPECT_THROW(small.Restore(nano.State()), std::exception);
+  nlohmann::json cut = small.State();
+  cut.erase("statistics");
+  EXPECT_THROW(small.Restore(cut), std::exception);
+}
+
+// It learns from pictures, and, without batch normalisation, goes on from what it has learned.
+TEST(DetectorTrainer, LearnsToFind) {
+  constexpr int kSteps = 120;
+  DetectorTrainer trainer(TinyRecipe(kSteps), 1);
+  EXPECT_LT(HitShare(trainer, trainer.Average()), 0.3);
+  double last = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const auto loss = trainer.Step(PictureBatch(step));
+    ASSERT_TRUE(loss);
+    last = loss->Total();
+  }
+  EXPECT_GT(HitShare(trainer, trainer.Average()), 0.7) << "last loss " << last;
+  DetectorRecipe fine = TinyRecipe(5);
+  fine.rate = 1e-4;
+  DetectorTrainer tuned(fine, 1, trainer.Average());
+  EXPECT_EQ(Numbers(tuned.Average()), Numbers(trainer.Average()));
+  for (int step = 0; step < 5; ++step) ASSERT_TRUE(tuned.Step(PictureBatch(kSteps + step)));
+  EXPECT_NE(Numbers(tuned.Average()), Numbers(trainer.Average()));
+  EXPECT_GT(HitShare(trainer, tuned.Average()), 0.7);
+}
+
+}  // namespace
+}  // namespace windhover
