@@ -8,7 +8,7 @@ packages=(
   liblcm-dev liblcm-bin
   libeigen3-dev libopencv-dev libosmesa6-dev libassimp-dev
   libyaml-cpp-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libre2-dev libssl-dev
-  libdnnl-dev libonnx-dev libprotobuf-dev
+  libdnnl-dev libonnx-dev libprotobuf-dev libtorch-dev
   iproute2
 )
 missing=()
