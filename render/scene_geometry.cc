@@ -43,14 +43,16 @@ std::shared_ptr<const AircraftShape> CommonShape(const Aircraft& aircraft) {
 
 }  // namespace
 
-SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& observers)
+SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& observers,
+                             const GivenModels& given)
     : exposure_(scenario.exposure),
       seed_(scenario.random_seed),
       width_px_(scenario.rig.calibrated.image[0]),
       height_px_(scenario.rig.calibrated.image[1]) {
   for (const Aircraft& aircraft : scenario.aircraft) {
+    const auto model = given.find(ids_.size());
     ids_.push_back(aircraft.self.id);
-    shapes_.push_back(CommonShape(aircraft));
+    shapes_.push_back(model == given.end() ? CommonShape(aircraft) : ShapeFrom(model->second));
   }
   for (const int place : observers) {
     const auto position = static_cast<std::size_t>(place);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ struct AircraftShape {
   double radius_m;  ///< Of a ball about B's origin that holds it all.
 };
 
+/// What aircraft look like in place of what the scenario says, by position in it: of types that are
+/// no scenario's.
+using GivenModels = std::map<std::size_t, AircraftModel>;
+
 /// The true rig of one aircraft.
 struct ObserverRig {
   std::size_t position;  ///< In scenario.aircraft.
@@ -36,7 +41,8 @@ class SceneGeometry {
  public:
   /// `observers`: positions in scenario.aircraft of the aircraft whose rigs are of interest.
   /// @throws ConfigError if a mesh or a vibration file cannot be used.
-  SceneGeometry(const Scenario& scenario, const std::vector<int>& observers);
+  SceneGeometry(const Scenario& scenario, const std::vector<int>& observers,
+                const GivenModels& given = {});
 
   const std::vector<ObserverRig>& Observers() const { return observers_; }
   const AircraftShape& ShapeOf(std::size_t position) const { return *shapes_[position]; }

@@ -23,12 +23,12 @@ bool IsInImage(const target_view_t& view) { return view.visible.w_px > 0 && view
 }  // namespace
 
 StereoRenderer::StereoRenderer(const Scenario& scenario, const std::vector<int>& observers,
-                               int threads)
+                               int threads, const GivenModels& given)
     : scenario_(scenario),
       threads_(std::max(threads, 1)),
       is_spread_(scenario.optics.f_number != 0),
       keeps_surroundings_(is_spread_ || (threads_ > 1 && DrawsOneAtATime(scenario))),
-      geometry_(scenario, observers),
+      geometry_(scenario, observers, given),
       environment_(MakeEnvironment(scenario.environment)),
       light_(scenario.environment, *environment_),
       haze_(scenario.environment.visibility_m),

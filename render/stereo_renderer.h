@@ -33,7 +33,8 @@ class StereoRenderer {
  public:
   /// `observers`: positions in scenario.aircraft of the aircraft whose rigs will be rendered.
   /// @throws ConfigError if a mesh, an environment's image or a vibration file cannot be used.
-  StereoRenderer(const Scenario& scenario, const std::vector<int>& observers, int threads);
+  StereoRenderer(const Scenario& scenario, const std::vector<int>& observers, int threads,
+                 const GivenModels& given = {});
   ~StereoRenderer();
 
   /// Renders a pair for each observer, in their order. `world` holds every aircraft of the
