@@ -10,11 +10,25 @@
 #include "render/aircraft_meshes.h"
 #include "render/annotator.h"
 #include "render/motion.h"
+#include "render/prepared_model.h"
 
 namespace windhover {
 namespace {
 
-std::shared_ptr<const AircraftShape> ShapeFrom(AircraftModel model) {
+// Made once a process where it is our own drawing: thousands of flights have the same.
+std::shared_ptr<const AircraftShape> CommonShape(const Aircraft& aircraft) {
+  if (aircraft.type == AircraftType::kMesh) return MakeShape(MakeAircraftModel(aircraft));
+  static std::mutex mutex;
+  static std::map<AircraftType, std::shared_ptr<const AircraftShape>> drawn;
+  const std::scoped_lock lock(mutex);
+  std::shared_ptr<const AircraftShape>& shape = drawn[aircraft.type];
+  if (shape == nullptr) shape = MakeShape(MakeAircraftModel(aircraft));
+  return shape;
+}
+
+}  // namespace
+
+std::shared_ptr<const AircraftShape> MakeShape(AircraftModel model) {
   auto shape = std::make_shared<AircraftShape>();
   shape->radius_m = 0;
   std::vector<Eigen::Vector3f> points = model.body.positions;
@@ -26,33 +40,21 @@ std::shared_ptr<const AircraftShape> ShapeFrom(AircraftModel model) {
     shape->radius_m = std::max(shape->radius_m, outline_B.back().norm());
   }
   shape->outline = Outline(outline_B);
+  shape->prepared = std::make_shared<const PreparedModel>(model, shape->radius_m);
   shape->model = std::move(model);
   return shape;
 }
 
-// Made once a process where it is our own drawing: thousands of flights have the same.
-std::shared_ptr<const AircraftShape> CommonShape(const Aircraft& aircraft) {
-  if (aircraft.type == AircraftType::kMesh) return ShapeFrom(MakeAircraftModel(aircraft));
-  static std::mutex mutex;
-  static std::map<AircraftType, std::shared_ptr<const AircraftShape>> drawn;
-  const std::scoped_lock lock(mutex);
-  std::shared_ptr<const AircraftShape>& shape = drawn[aircraft.type];
-  if (shape == nullptr) shape = ShapeFrom(MakeAircraftModel(aircraft));
-  return shape;
-}
-
-}  // namespace
-
 SceneGeometry::SceneGeometry(const Scenario& scenario, const std::vector<int>& observers,
-                             const GivenModels& given)
+                             const GivenShapes& given)
     : exposure_(scenario.exposure),
       seed_(scenario.random_seed),
       width_px_(scenario.rig.calibrated.image[0]),
       height_px_(scenario.rig.calibrated.image[1]) {
   for (const Aircraft& aircraft : scenario.aircraft) {
-    const auto model = given.find(ids_.size());
+    const auto shape = given.find(ids_.size());
     ids_.push_back(aircraft.self.id);
-    shapes_.push_back(model == given.end() ? CommonShape(aircraft) : ShapeFrom(model->second));
+    shapes_.push_back(shape == given.end() ? CommonShape(aircraft) : shape->second);
   }
   for (const int place : observers) {
     const auto position = static_cast<std::size_t>(place);

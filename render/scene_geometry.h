@@ -16,16 +16,21 @@
 
 namespace windhover {
 
+class PreparedModel;
+
 /// What an aircraft looks like, and the points that can bound its silhouette.
 struct AircraftShape {
   AircraftModel model;
-  Outline outline;  ///< Of body and propellers.
-  double radius_m;  ///< Of a ball about B's origin that holds it all.
+  Outline outline;                                ///< Of body and propellers.
+  double radius_m;                                ///< Of a ball about B's origin that holds it all.
+  std::shared_ptr<const PreparedModel> prepared;  ///< For all who draw it.
 };
+
+std::shared_ptr<const AircraftShape> MakeShape(AircraftModel model);
 
 /// What aircraft look like in place of what the scenario says, by position in it: of types that are
 /// no scenario's.
-using GivenModels = std::map<std::size_t, AircraftModel>;
+using GivenShapes = std::map<std::size_t, std::shared_ptr<const AircraftShape>>;
 
 /// The true rig of one aircraft.
 struct ObserverRig {
@@ -42,7 +47,7 @@ class SceneGeometry {
   /// `observers`: positions in scenario.aircraft of the aircraft whose rigs are of interest.
   /// @throws ConfigError if a mesh or a vibration file cannot be used.
   SceneGeometry(const Scenario& scenario, const std::vector<int>& observers,
-                const GivenModels& given = {});
+                const GivenShapes& given = {});
 
   const std::vector<ObserverRig>& Observers() const { return observers_; }
   const AircraftShape& ShapeOf(std::size_t position) const { return *shapes_[position]; }

@@ -23,7 +23,7 @@ bool IsInImage(const target_view_t& view) { return view.visible.w_px > 0 && view
 }  // namespace
 
 StereoRenderer::StereoRenderer(const Scenario& scenario, const std::vector<int>& observers,
-                               int threads, const GivenModels& given)
+                               int threads, const GivenShapes& given)
     : scenario_(scenario),
       threads_(std::max(threads, 1)),
       is_spread_(scenario.optics.f_number != 0),
@@ -35,10 +35,6 @@ StereoRenderer::StereoRenderer(const Scenario& scenario, const std::vector<int>&
       map_(*environment_, scenario.rig.calibrated.FocalPx()),
       sensor_(scenario.sensor),
       passes_(static_cast<std::size_t>(threads_)) {
-  for (std::size_t i = 0; i < scenario.aircraft.size(); ++i) {
-    const AircraftShape& shape = geometry_.ShapeOf(i);
-    models_.try_emplace(&shape, shape.model, shape.radius_m);
-  }
   for (std::size_t i = 0; i < geometry_.Observers().size(); ++i) {
     views_.push_back(std::make_unique<StereoView>(geometry_.Observers()[i], i, scenario.exposure));
   }
@@ -56,7 +52,7 @@ void StereoRenderer::ShadeTargets(const world_truth_t& world, StereoView* observ
     const bool may_be_seen =
         target.range_m < 3 * shape.radius_m || IsInImage(target.left) || IsInImage(target.right);
     if (!may_be_seen) continue;
-    const PreparedModel& model = models_.at(&shape);
+    const PreparedModel& model = *shape.prepared;
     const DetailLevel& level = model.LevelFor(target.depth_m, scenario_.rig.calibrated.FocalPx());
     observer->shaded[k] = Shade(model, level, PoseAt(world.uavs[i], 0).linear(), light_);
     const Eigen::Vector3d sight_W = PoseAt(world.uavs[i], 0).translation() -

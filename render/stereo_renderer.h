@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -34,7 +33,7 @@ class StereoRenderer {
   /// `observers`: positions in scenario.aircraft of the aircraft whose rigs will be rendered.
   /// @throws ConfigError if a mesh, an environment's image or a vibration file cannot be used.
   StereoRenderer(const Scenario& scenario, const std::vector<int>& observers, int threads,
-                 const GivenModels& given = {});
+                 const GivenShapes& given = {});
   ~StereoRenderer();
 
   /// Renders a pair for each observer, in their order. `world` holds every aircraft of the
@@ -68,7 +67,6 @@ class StereoRenderer {
   Haze haze_;
   RadianceMap map_;
   Sensor sensor_;
-  std::map<const AircraftShape*, PreparedModel> models_;
   std::vector<std::unique_ptr<StereoView>> views_;
   std::vector<std::unique_ptr<TargetPass>>
       passes_;  ///< One a thread (OSMesa: one), made at first use.

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "common/config/enum_name.h"
 #include "common/geometry/rotation.h"
 #include "common/random/random_stream.h"
 #include "learn/detector/picture_scene.h"
@@ -18,7 +21,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kTurn_deg = 12;  ///< Of the rig within a scene: its surroundings are drawn once.
+/// Of the rig within a scene. Light from a new direction costs more than all else in a picture.
+constexpr double kTurn_deg = 2;
 constexpr double kHalfTarget_m = 0.45;  ///< Of an M200, the largest target.
 
 double LogUniform(double low, double high, RandomStream* random) {
@@ -37,18 +41,31 @@ Vector3d Direction(RandomStream* random) {
   return {r * std::cos(turn_rad), r * std::sin(turn_rad), z};
 }
 
-/// The distances at which something that distracts may be.
+/// Something that distracts, and the distances at which it may be.
 struct Distractor {
-  AircraftModel model;
+  std::shared_ptr<const AircraftShape> shape;
   double nearest_m, farthest_m;
 };
 
-Distractor DrawDistractor(RandomStream* random) {
+Distractor MakeDistractor(RandomStream* random) {
   const double kind = random->Uniform();
-  if (kind < 0.3) return {MakeRandomBird(random), 5, 90};
-  if (kind < 0.5) return {MakeRandomAeroplane(random), 40, 600};
-  if (kind < 0.7) return {MakeRandomTree(random), 12, 90};
-  return {MakeRandomClutter(random), 5, 60};
+  if (kind < 0.3) return {MakeShape(MakeRandomBird(random)), 5, 90};
+  if (kind < 0.5) return {MakeShape(MakeRandomAeroplane(random)), 40, 600};
+  if (kind < 0.7) return {MakeShape(MakeRandomTree(random)), 12, 90};
+  return {MakeShape(MakeRandomClutter(random)), 5, 60};
+}
+
+// Some hundreds a process, as making one ready for drawing takes as long as ten pictures.
+Distractor DrawDistractor(Split split, RandomStream* random) {
+  constexpr std::uint64_t kDistractors = 256;
+  static std::mutex mutex;
+  static std::map<std::pair<Split, std::uint64_t>, Distractor> made;
+  const std::pair key(split, (*random)() % kDistractors);
+  const std::scoped_lock lock(mutex);
+  const auto known = made.find(key);
+  if (known != made.end()) return known->second;
+  RandomStream own(key.second, fmt::format("distractor/{}", NameOf(split)));
+  return made[key] = MakeDistractor(&own);
 }
 
 void RandomiseCamera(RandomStream* random, Scenario* scenario) {
@@ -91,17 +108,13 @@ void TurnRotors(RandomStream* random, uav_truth_t* uav) {
 /// Draws where everything is in the pairs of a scene.
 class PoseSampler {
  public:
-  PoseSampler(const Scenario& scenario, const PictureConfig& config, double heading_rad)
-      : rig_(scenario.rig.calibrated), config_(config), heading_rad_(heading_rad) {}
+  PoseSampler(const Scenario& scenario, const PictureConfig& config, const Eigen::Matrix3d& R_WB)
+      : rig_(scenario.rig.calibrated), config_(config), R_WB_(R_WB) {}
 
   uav_truth_t Observer(RandomStream* random) const {
     uav_truth_t uav{};
     const double turn_rad = RadFromDeg(random->Uniform(-kTurn_deg, kTurn_deg));
-    const double pitch_rad = RadFromDeg(random->Uniform(-18, 14));
-    const Eigen::Matrix3d R_WB =
-        RotationFromVector((heading_rad_ + turn_rad) * Vector3d::UnitZ()) *
-        RotationFromVector(pitch_rad * Vector3d::UnitY()) *
-        RotationFromVector(RadFromDeg(6 * random->Normal()) * Vector3d::UnitX());
+    const Eigen::Matrix3d R_WB = R_WB_ * RotationFromVector(turn_rad * Direction(random));
     Place({0, 0, 20}, Eigen::Quaterniond(R_WB), &uav);
     const double turning_radps = Chance(0.3, random) ? 0 : LogUniform(0.02, 0.8, random);
     Eigen::Map<Vector3d>(uav.w_WB_B_radps) = turning_radps * Direction(random);
@@ -162,7 +175,7 @@ class PoseSampler {
 
   CalibratedRig rig_;
   PictureConfig config_;
-  double heading_rad_;
+  Eigen::Matrix3d R_WB_;  ///< Of the rig, give or take kTurn_deg.
 };
 
 Scenario Surroundings(const Scenario& base, const PictureConfig& config, int scene,
@@ -197,6 +210,14 @@ Aircraft Anybody(int id, TargetKind kind) {
   return aircraft;
 }
 
+Eigen::Matrix3d AttitudeOfRig(double heading_rad, RandomStream* random) {
+  const double pitch_rad = RadFromDeg(random->Uniform(-18, 14));  // Positive: nose down.
+  const double roll_rad = RadFromDeg(6 * random->Normal());
+  return RotationFromVector(heading_rad * Vector3d::UnitZ()) *
+         RotationFromVector(pitch_rad * Vector3d::UnitY()) *
+         RotationFromVector(roll_rad * Vector3d::UnitX());
+}
+
 // Photos fill a part of the horizon only, about their yaw.
 double HeadingOf(const EnvironmentConfig& environment, RandomStream* random) {
   const double drawn_rad = random->Uniform(0, kTwoPi);
@@ -208,22 +229,22 @@ double HeadingOf(const EnvironmentConfig& environment, RandomStream* random) {
 }  // namespace
 
 PicturePlan PlanPictures(const Scenario& base, const PictureConfig& config, int scene) {
-  const char* split = kEnumNames<Split>.names[static_cast<std::size_t>(config.split)].second;
-  const std::string name = fmt::format("pictures/{}/{}", split, scene);
+  const std::string name = fmt::format("pictures/{}/{}", NameOf(config.split), scene);
   RandomStream random(config.seed, name);
   PicturePlan plan;
   plan.scenario = Surroundings(base, config, scene, &random);
   plan.kind = config.targets[DrawIndex(config.targets.size(), &random)];
   plan.scenario.aircraft = {Anybody(0, TargetKind::kP600), Anybody(1, plan.kind)};
-  if (plan.kind == TargetKind::kQuadrotor) plan.models[1] = MakeRandomQuadrotor(&random);
+  if (plan.kind == TargetKind::kQuadrotor) plan.shapes[1] = MakeShape(MakeRandomQuadrotor(&random));
   std::vector<Distractor> distractors;
   const std::size_t n = DrawIndex(static_cast<std::size_t>(config.most_distractors) + 1, &random);
   for (std::size_t i = 0; i < n; ++i) {
-    distractors.push_back(DrawDistractor(&random));
+    distractors.push_back(DrawDistractor(config.split, &random));
     plan.scenario.aircraft.push_back(Anybody(static_cast<int>(2 + i), TargetKind::kP600));
-    plan.models[2 + i] = distractors.back().model;
+    plan.shapes[2 + i] = distractors.back().shape;
   }
-  const PoseSampler poses(plan.scenario, config, HeadingOf(plan.scenario.environment, &random));
+  const double heading_rad = HeadingOf(plan.scenario.environment, &random);
+  const PoseSampler poses(plan.scenario, config, AttitudeOfRig(heading_rad, &random));
   for (int pair = 0; pair < config.pairs; ++pair) {
     RandomStream own(config.seed, fmt::format("{}/{}", name, pair));
     world_truth_t world{};

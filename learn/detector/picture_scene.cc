@@ -24,7 +24,7 @@ LabelledPicture PictureOf(RgbImage&& drawn, const target_view_t& view, const Fra
 PictureScene::PictureScene(const Scenario& base, const PictureConfig& config, int scene)
     : plan_(PlanPictures(base, config, scene)),
       renderer_(std::make_unique<StereoRenderer>(plan_.scenario, std::vector<int>{0},
-                                                 /*threads=*/1, plan_.models)) {}
+                                                 /*threads=*/1, plan_.shapes)) {}
 
 PictureScene::~PictureScene() = default;
 

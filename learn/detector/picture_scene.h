@@ -37,7 +37,7 @@ struct PictureConfig {
   double nearest_m = 3, farthest_m = 45;  ///< Of the target; as many in each octave.
   double empty_share = 0.2;               ///< Pairs without a target.
   int most_distractors = 4;  ///< Birds, aeroplanes, trees, clutter; in a scene, in turn in view.
-  int pairs = 16;            ///< Of a scene.
+  int pairs = 24;            ///< Of a scene.
   /// Light, exposure, turning and sensor vary far more than in any one flight, in place of the
   /// rig's vibration and bending.
   bool is_randomised = true;
@@ -60,7 +60,7 @@ struct LabelledPair {
 /// is the target; others distract.
 struct PicturePlan {
   Scenario scenario;
-  GivenModels models;
+  GivenShapes shapes;
   TargetKind kind{};
   std::vector<world_truth_t> worlds;  ///< One a pair; who is not in view is behind the rig.
 };
