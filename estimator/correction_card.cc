@@ -1,14 +1,12 @@
 #include "estimator/correction_card.h"
 
 #include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include "common/card/card_node.h"
 
 namespace windhover {
 namespace {
@@ -18,7 +16,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "windhover-correction";
 constexpr std::uintmax_t kMaxBytes = 16 << 20;
 constexpr std::size_t kMaxStages = 8;
-constexpr double kMaxWeight = 1e6;
 
 // With as few digits as tell one float from the next.
 Json Short(float value) { return std::stod(fmt::format("{}", value)); }
@@ -60,82 +57,6 @@ Json PriorsJson(FittedPriors priors) {
       [&](const char* name, const double* value, double, double) { json[name] = *value; });
   return json;
 }
-
-// A value of a card and the keys that lead there.
-class CardNode {
- public:
-  CardNode(const Json& json, std::string name, std::string path)
-      : json_(json), name_(std::move(name)), path_(std::move(path)) {}
-
-  [[noreturn]] void MustBe(const std::string& must, const std::string& found) const {
-    throw ConfigError(fmt::format("{}: {}: must be {} (found {})", name_,
-                                  path_.empty() ? "the card" : path_, must, found));
-  }
-
-  CardNode operator[](const std::string& key) const {
-    RequireObject();
-    const auto it = json_.find(key);
-    const std::string path = path_.empty() ? key : path_ + "." + key;
-    if (it == json_.end()) CardNode(json_, name_, path).MustBe("there", "nothing");
-    return {*it, name_, path};
-  }
-  bool Has(const std::string& key) const { return json_.is_object() && json_.contains(key); }
-
-  std::vector<CardNode> Items(std::size_t most) const {
-    if (!json_.is_array() || json_.empty() || json_.size() > most) {
-      MustBe(fmt::format("a list of 1 to {}", most), Found());
-    }
-    std::vector<CardNode> items;
-    for (std::size_t i = 0; i < json_.size(); ++i) {
-      items.emplace_back(json_[i], name_, fmt::format("{}.{}", path_, i));
-    }
-    return items;
-  }
-
-  double Number(double low, double high) const {
-    const double value = json_.is_number() ? json_.get<double>() : NAN;
-    if (!(value >= low && value <= high)) {
-      MustBe(fmt::format("a number from {:g} to {:g}", low, high), Found());
-    }
-    return value;
-  }
-
-  std::vector<float> Numbers(int n) const {
-    const auto count = static_cast<std::size_t>(n);
-    if (!json_.is_array() || json_.size() != count) {
-      MustBe(fmt::format("{} numbers", count), Found());
-    }
-    std::vector<float> values;
-    for (const CardNode& item : Items(count)) {
-      values.push_back(static_cast<float>(item.Number(-kMaxWeight, kMaxWeight)));
-    }
-    return values;
-  }
-
-  void AllowOnly(std::initializer_list<const char*> keys) const {
-    RequireObject();
-    for (const auto& [key, value] : json_.items()) {
-      const bool known = std::any_of(keys.begin(), keys.end(),
-                                     [&, &name = key](const char* one) { return name == one; });
-      if (!known) MustBe(fmt::format("of {}", fmt::join(keys, ", ")), fmt::format("'{}'", key));
-    }
-  }
-
-  const Json& json() const { return json_; }
-
- private:
-  void RequireObject() const {
-    if (!json_.is_object()) MustBe("an object", Found());
-  }
-  std::string Found() const {
-    if (json_.is_array()) return fmt::format("a list of {}", json_.size());
-    if (json_.is_object()) return "an object";
-    return fmt::format("'{}'", json_.dump());
-  }
-
-  const Json& json_;
-  std::string name_, path_;
-};
 
 PcmStages ReadPcm(const CardNode& node) {
   node.AllowOnly({"width", "range_sigma", "stages", "alone"});
@@ -184,16 +105,6 @@ FittedPriors ReadPriors(const CardNode& node) {
   return priors;
 }
 
-// Where byte `at` of a text is, as compilers count.
-std::string LineAndColumn(const std::string& text, std::size_t at) {
-  const std::size_t end = std::min(at == 0 ? 0 : at - 1, text.size());
-  const auto begin = text.begin(), stop = begin + static_cast<std::ptrdiff_t>(end);
-  const std::size_t newline = text.rfind('\n', end == 0 ? 0 : end - 1);
-  const bool on_first = newline == std::string::npos || newline >= end;
-  return fmt::format("{}:{}", 1 + std::count(begin, stop, '\n'),
-                     on_first ? end + 1 : end - newline);
-}
-
 }  // namespace
 
 std::string CorrectionCardText(const CorrectionCard& card) {
@@ -205,21 +116,10 @@ std::string CorrectionCardText(const CorrectionCard& card) {
 }
 
 CorrectionCard ParseCorrectionCard(const std::string& text, const std::string& name) {
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    throw ConfigError(fmt::format("{}:{}: must be JSON, whole and readable", name,
-                                  LineAndColumn(text, error.byte)));
-  } catch (const Json::exception&) {  // Such as numbers that are too large.
-    throw ConfigError(fmt::format("{}: must be JSON with finite numbers", name));
-  }
-  const CardNode root(json, name, "");
+  const Json json = ParseCardJson(text, name);
+  const CardNode root(json, name);
   root.AllowOnly({"format", "version", "provenance", "priors", "pcm", "joint_mlp"});
-  if (root["format"].json() != kFormat) {
-    root["format"].MustBe(fmt::format("'{}'", kFormat), root["format"].json().dump());
-  }
-  root["version"].Number(1, 1);
+  CheckCardFormat(root, kFormat);
   CorrectionCard card;
   if (root.Has("provenance")) card.provenance = root["provenance"].json();
   if (root.Has("priors")) card.priors = ReadPriors(root["priors"]);
@@ -229,18 +129,7 @@ CorrectionCard ParseCorrectionCard(const std::string& text, const std::string& n
 }
 
 CorrectionCard ReadCorrectionCard(const std::filesystem::path& file) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  std::ifstream in(file, std::ios::binary);
-  if (error || !in) {
-    throw ConfigError(fmt::format("{}: must be a file that can be read", file.string()));
-  }
-  if (bytes > kMaxBytes) {
-    throw ConfigError(
-        fmt::format("{}: must be at most {} bytes (found {})", file.string(), kMaxBytes, bytes));
-  }
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  return ParseCorrectionCard(text, file.string());
+  return ParseCorrectionCard(ReadCardText(file, kMaxBytes), file.string());
 }
 
 CorrectionCard ReadCorrectionCard(const InputFile& file) {

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "lcmtypes/stereo_box_t.hpp"
+#include "scenarios/aircraft_config.h"
 
 namespace windhover {
 
@@ -20,8 +20,9 @@ class Detector {
   virtual std::vector<stereo_box_t> Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) = 0;
 };
 
-/// The detector that scenarios call `name` (`estimator.detector`).
-/// @throws std::invalid_argument for a name that is none.
-std::unique_ptr<Detector> MakeDetector(const std::string& name);
+/// The detector of a scenario (`estimator.detector` and `detector_model`).
+/// @throws std::invalid_argument for a name that is none, ConfigError for a card or weights that
+/// cannot be used.
+std::unique_ptr<Detector> MakeDetector(const EstimatorConfig& config);
 
 }  // namespace windhover

@@ -8,7 +8,7 @@ namespace windhover {
 EstimatorNode::EstimatorNode(const AircraftConfig& config, const ProcessShare& share,
                              TickClient& client)
     : config_(config), client_(client) {
-  if (config_.observe == Observe::kImage) detector_ = MakeDetector(config_.estimator.detector);
+  if (config_.observe == Observe::kImage) detector_ = MakeDetector(config_.estimator);
   for (std::size_t i = 0; i < config_.aircraft.size(); ++i) {
     const AircraftSelf& aircraft = config_.aircraft[i];
     if (!aircraft.carries_rig || !share.Owns(static_cast<int>(i))) continue;

@@ -6,6 +6,7 @@
 #include "common/config/config_tree.h"
 #include "common/config/config_writer.h"
 #include "rig/base_vibration.h"
+#include "rig/fitted_box_noise.h"
 #include "scenarios/randomize.h"
 #include "scenarios/scenario_rules.h"
 
@@ -44,6 +45,9 @@ Scenario LoadUndrawnScenario(const std::filesystem::path& file,
     ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
   }
   Scenario scenario = ReadScenario(root, InputFiles::kMustExist);
+  if (scenario.geometric.noise == BoxNoiseSource::kFitted) {
+    scenario.geometric = ReadFittedBoxNoise(scenario.estimator.detector_model);
+  }
   std::erase_if(scenario.randomize, [&](const RandomizedKey& randomized) {
     return std::any_of(overrides.begin(), overrides.end(), [&](const std::string& set) {
       return set.starts_with(randomized.key + "=");

@@ -1,0 +1,117 @@
+#include "estimator/yolox_detector.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "estimator/stereo_pairing.h"
+
+namespace windhover {
+namespace {
+
+constexpr double kMaxOverlap = 0.5;  // Of two targets in one image: more is one seen twice.
+constexpr std::size_t kMaxTargets = 8;
+// Of the second look. The first has decided that there is an aircraft: its own square shows one.
+constexpr double kMinScoreAgain = 0.05;
+constexpr double kMinOverlapAgain = 0.2;  // With the first box, or it is another target.
+
+void CheckPair(const cv::Mat& left, const cv::Mat& right) {
+  const bool good = left.type() == CV_8UC3 && right.type() == CV_8UC3 && !left.empty() &&
+                    left.size() == right.size();
+  if (good) return;
+  throw std::invalid_argument(fmt::format(
+      "the detector needs two 8-bit RGB images of one size (found {} x {} and {} x {} px)",
+      left.cols, left.rows, right.cols, right.rows));
+}
+
+/// Where the second look sees the target of `first`; `first` itself if it sees none.
+image_box_t Again(const image_box_t& first, const std::vector<ScoredBox>& seen) {
+  const ScoredBox* best = nullptr;
+  for (const ScoredBox& box : seen) {
+    if (OverlapOf(box.box, first) < kMinOverlapAgain) continue;
+    if (best == nullptr || box.score > best->score) best = &box;
+  }
+  return best == nullptr ? first : best->box;
+}
+
+}  // namespace
+
+YoloxDetector::YoloxDetector(const DetectorCard& card, const std::filesystem::path& folder,
+                             EngineKind kind)
+    : min_score_(card.min_score),
+      refiner_margin_(card.refiner_margin),
+      detector_(ReadWeights(card.detector, folder), /*batch=*/2, kind) {
+  if (card.refiner) refiner_.emplace(ReadWeights(*card.refiner, folder), /*batch=*/2, kind);
+}
+
+std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left_rgb,
+                                                             const cv::Mat& right_rgb,
+                                                             double min_score) {
+  CheckPair(left_rgb, right_rgb);
+  const InputWindow window = LetterboxWindow(left_rgb.size(), detector_.input());
+  const std::array<BoxNetwork::View, 2> views = {{{left_rgb, window}, {right_rgb, window}}};
+  auto found = detector_.Find(views, min_score);
+  for (auto& boxes : found) boxes = WithoutDoubles(std::move(boxes), kMaxOverlap, kMaxTargets);
+  return found;
+}
+
+void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, ScoredBox* left,
+                              ScoredBox* right) {
+  if (!refiner_) return;
+  const std::array<BoxNetwork::View, 2> views = {
+      {{left_rgb, CropWindow(left->box, refiner_margin_, refiner_->input())},
+       {right_rgb, CropWindow(right->box, refiner_margin_, refiner_->input())}}};
+  const auto seen = refiner_->Find(views, kMinScoreAgain);
+  left->box = Again(left->box, seen[0]);
+  right->box = Again(right->box, seen[1]);
+}
+
+std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) {
+  const auto found = FirstLook(left_rgb, right_rgb, min_score_);
+  std::vector<stereo_box_t> boxes;
+  for (const auto& [i, k] : PairBoxes(found[0], found[1], left_rgb.size())) {
+    ScoredBox left = found[0][i], right = found[1][k];
+    LookAgain(left_rgb, right_rgb, &left, &right);
+    stereo_box_t box{};
+    box.left = left.box;
+    box.right = right.box;
+    box.score = std::min(left.score, right.score);
+    boxes.push_back(box);
+  }
+  std::stable_sort(boxes.begin(), boxes.end(),
+                   [](const stereo_box_t& a, const stereo_box_t& b) { return a.score > b.score; });
+  return boxes;
+}
+
+std::vector<std::vector<ScoredBox>> YoloxDetector::DetectEach(const cv::Mat& one_rgb,
+                                                              const cv::Mat& other_rgb,
+                                                              double min_score) {
+  auto found = FirstLook(one_rgb, other_rgb, min_score);
+  // The refiner takes two at once: what has no counterpart is looked at beside itself.
+  for (std::size_t i = 0; i < std::max(found[0].size(), found[1].size()); ++i) {
+    ScoredBox none;
+    ScoredBox* one = i < found[0].size() ? &found[0][i] : &none;
+    ScoredBox* other = i < found[1].size() ? &found[1][i] : &none;
+    LookAgain(one_rgb, other_rgb, one, other);
+  }
+  return found;
+}
+
+std::unique_ptr<Detector> MakeYoloxDetector(const std::string& name, const InputFile& card_file) {
+  try {
+    const std::filesystem::path file = card_file.absolute;
+    const DetectorCard card = ReadDetectorCard(file);
+    if (card.network != name) {
+      throw ConfigError(fmt::format("{}: network: must be {}, as estimator.detector (found {})",
+                                    file.string(), name, card.network));
+    }
+    return std::make_unique<YoloxDetector>(card, file.parent_path());
+  } catch (const ConfigError& error) {
+    if (card_file.where.empty()) throw;
+    throw ConfigError(fmt::format("{}: {}", card_file.where, error.what()));
+  }
+}
+
+}  // namespace windhover
