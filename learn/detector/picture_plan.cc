@@ -97,8 +97,9 @@ void Place(const Vector3d& p_WB_m, const Eigen::Quaterniond& q_WB, uav_truth_t* 
   uav->qz = q_WB.z();
 }
 
-void TurnRotors(RandomStream* random, uav_truth_t* uav) {
-  const double rate_hz = Chance(0.05, random) ? 0 : LogUniform(25, 130, random);
+void TurnRotors(bool may_stand, RandomStream* random, uav_truth_t* uav) {
+  const bool stands = may_stand && Chance(0.05, random);
+  const double rate_hz = stands ? 0 : LogUniform(25, 130, random);
   for (int rotor = 0; rotor < 4; ++rotor) {
     uav->rotor_rate_hz[rotor] = rate_hz * random->Uniform(0.85, 1.15);
     uav->rotor_phase_rev[rotor] = random->Uniform();
@@ -124,12 +125,14 @@ class PoseSampler {
   uav_truth_t Target(const uav_truth_t& observer, RandomStream* random) const {
     uav_truth_t uav{};
     const double depth_m = LogUniform(config_.nearest_m, config_.farthest_m, random);
-    const bool is_whole = !Chance(0.1, random);
-    const double tilt_deg = Chance(0.06, random) ? random->Uniform(15, 70) : 10 * random->Normal();
-    Place(InView(observer, depth_m, is_whole ? kHalfTarget_m : 0, random),
+    const bool is_whole = !(config_.is_randomised && Chance(0.1, random));
+    const bool is_upright = !(config_.is_randomised && Chance(0.06, random));
+    const double tilt_deg = is_upright ? 10 * random->Normal() : random->Uniform(15, 70);
+    const double half_m = kHalfTarget_m + rig_.baseline_m / 2;
+    Place(InView(observer, depth_m, is_whole ? half_m : 0, random),
           Attitude(random->Uniform(0, kTwoPi), RadFromDeg(tilt_deg), random), &uav);
     Eigen::Map<Vector3d>(uav.v_WB_mps) = random->Uniform(0, 4) * Direction(random);
-    TurnRotors(random, &uav);
+    TurnRotors(config_.is_randomised, random, &uav);
     return uav;
   }
 
@@ -140,7 +143,7 @@ class PoseSampler {
     Place(InView(observer, depth_m, 0, random),
           Attitude(random->Uniform(0, kTwoPi), RadFromDeg(15 * random->Normal()), random), &uav);
     Eigen::Map<Vector3d>(uav.v_WB_mps) = random->Uniform(0, 4) * Direction(random);
-    TurnRotors(random, &uav);
+    TurnRotors(config_.is_randomised, random, &uav);
     return uav;
   }
 
