@@ -100,6 +100,8 @@ std::unique_ptr<DetectorSampleSource> MakeDetectionSource(const Scenario& base,
 std::unique_ptr<DetectorSampleSource> MakeRefinementSource(const Scenario& base,
                                                            const PictureConfig& pictures,
                                                            const ReplayConfig& replay) {
+  ReplayConfig crops = replay;
+  crops.whole_every = 0;  // They are no parts of pictures.
   return std::make_unique<ReplaySource>(
       SceneMaker(base, pictures,
                  [](const LabelledPicture& picture, RandomStream* random, auto* samples) {
@@ -107,7 +109,7 @@ std::unique_ptr<DetectorSampleSource> MakeRefinementSource(const Scenario& base,
                      samples->push_back(std::move(one));
                    }
                  }),
-      replay);
+      crops);
 }
 
 }  // namespace windhover

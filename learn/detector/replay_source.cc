@@ -22,8 +22,8 @@ const T& AnyOf(const T* items, std::size_t n, RandomStream* random) {
 
 ReplaySource::ReplaySource(MakeScene make, const ReplayConfig& config)
     : make_(std::move(make)), config_(config) {
-  if (config.batch < 1 || config.first_scenes < 1 || config.steps_per_scene < 1 ||
-      config.scenes_kept < 1) {
+  if (config.batch < 1 || config.whole_batch < 1 || config.first_scenes < 1 ||
+      config.steps_per_scene < 1 || config.scenes_kept < 1) {
     throw std::invalid_argument("a replay needs batches, scenes, and steps between them");
   }
 }
@@ -55,30 +55,35 @@ void ReplaySource::Keep(int first, int end) {
   next_ = std::async(std::launch::async, [this, end] { return make_(end); });
 }
 
-DetectorSample ReplaySource::DrawSample(bool shows_box, RandomStream* random) const {
+std::optional<DetectorSample> ReplaySource::DrawSample(bool is_whole, bool shows_box,
+                                                       RandomStream* random) const {
   for (int i = 0; i < kTries; ++i) {
     const auto scene =
         static_cast<std::size_t>(static_cast<double>(kept_.size()) * random->Uniform());
     const DetectorSample& sample = AnyOf(kept_[scene].data(), kept_[scene].size(), random);
-    const bool is_whole = sample.rgb.size() == config_.size;
-    if (is_whole && sample.box.has_value() == shows_box) return Varied(sample, random);
-    if (is_whole) continue;
+    if (is_whole || sample.rgb.size() == config_.size) {
+      if (sample.box.has_value() == shows_box) return Varied(sample, random);
+      continue;
+    }
     if (auto crop = RandomCrop(sample, config_.size, shows_box, random)) {
       return Varied(std::move(*crop), random);
     }
   }
-  throw std::runtime_error(fmt::format("no picture {} an aircraft can be drawn from the scenes",
-                                       shows_box ? "with" : "without"));
+  return std::nullopt;
 }
 
 std::vector<DetectorSample> ReplaySource::Batch(int step) {
   const int end = ScenesUntil(step);
   Keep(std::max(0, end - config_.scenes_kept), end);
   std::vector<DetectorSample> batch;
-  for (int i = 0; i < config_.batch; ++i) {
+  const bool is_whole = config_.whole_every > 0 && step % config_.whole_every == 0;
+  for (int i = 0; i < (is_whole ? config_.whole_batch : config_.batch); ++i) {
     RandomStream random(config_.seed, fmt::format("replay/{}/{}", step, i));
     const bool shows_box = random.Uniform() < config_.positive_share;
-    batch.push_back(DrawSample(shows_box, &random));
+    auto sample = DrawSample(is_whole, shows_box, &random);
+    if (!sample) sample = DrawSample(is_whole, !shows_box, &random);
+    if (!sample) throw std::runtime_error("nothing to learn from can be drawn from the pictures");
+    batch.push_back(std::move(*sample));
   }
   return batch;
 }

@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <optional>
 #include <vector>
 
 #include "common/random/random_stream.h"
@@ -17,6 +18,9 @@ struct ReplayConfig {
   int batch = 32;
   cv::Size size = {128, 128};  ///< Of a sample; pictures of a scene are that large at least.
   double positive_share = 0.7;
+  /// Every so many steps pictures are whole, as the nearest targets do not fit a crop; 0: never.
+  int whole_every = 5;
+  int whole_batch = 16;
   int first_scenes = 6;      ///< That are there at step 0.
   int steps_per_scene = 24;  ///< A new scene every so many steps.
   int scenes_kept = 40;      ///< The newest.
@@ -37,7 +41,8 @@ class ReplaySource final : public DetectorSampleSource {
   ReplaySource(MakeScene make, const ReplayConfig& config);
   ~ReplaySource() override;
 
-  /// @throws what making a scene throws.
+  /// Where there is no sample with an aircraft, or none without, the other kind stands in.
+  /// @throws what making a scene throws; std::runtime_error if nothing can be drawn.
   std::vector<DetectorSample> Batch(int step) override;
 
   /// Number after the newest scene that is there at `step`.
@@ -45,7 +50,8 @@ class ReplaySource final : public DetectorSampleSource {
 
  private:
   void Keep(int first, int end);
-  DetectorSample DrawSample(bool shows_box, RandomStream* random) const;
+  std::optional<DetectorSample> DrawSample(bool is_whole, bool shows_box,
+                                           RandomStream* random) const;
   std::vector<DetectorSample> TakeScene(int scene);
 
   MakeScene make_;

@@ -6,10 +6,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/image/image_file.h"
 #include "learn/detector/crop.h"
+#include "learn/detector/labelled_folder.h"
 #include "learn/detector/picture_samples.h"
 #include "learn/detector/picture_scene.h"
 #include "learn/detector/replay_source.h"
+#include "tests/support/temporary_folder.h"
 
 namespace windhover {
 namespace {
@@ -107,6 +110,8 @@ ReplayConfig SmallReplay() {
           .batch = 8,
           .size = {8, 8},
           .positive_share = 0.7,
+          .whole_every = 4,
+          .whole_batch = 6,
           .first_scenes = 2,
           .steps_per_scene = 5,
           .scenes_kept = 3};
@@ -150,22 +155,22 @@ TEST(ReplaySource, KeepsTheShareOfPicturesWithABox) {
     for (const DetectorSample& sample : source.Batch(step)) {
       ++n;
       with_box += sample.box.has_value();
-      ASSERT_EQ(sample.rgb.size(), cv::Size(8, 8));
+      ASSERT_EQ(sample.rgb.size(), step % 4 == 0 ? cv::Size(16, 16) : cv::Size(8, 8));
     }
   }
   EXPECT_NEAR(with_box, 0.7 * n, 4 * std::sqrt(n * 0.7 * 0.3));  // Four standard deviations.
 }
 
-TEST(ReplaySource, SaysThatThereIsNothingToDraw) {
+TEST(ReplaySource, TakesWhatThereIs) {
   ReplayConfig config = SmallReplay();
   config.positive_share = 1;
-  ReplaySource source(
-      [](int) {
-        return std::vector<DetectorSample>{
-            {.rgb = cv::Mat::zeros(16, 16, CV_8UC3), .box = std::nullopt}};
-      },
-      config);
-  EXPECT_THROW(source.Batch(0), std::runtime_error);
+  const cv::Mat picture = cv::Mat::zeros(16, 16, CV_8UC3);
+  const auto source_of = [&](const std::optional<image_box_t>& box) {
+    return ReplaySource([=](int) { return std::vector{DetectorSample{picture, box}}; }, config);
+  };
+  EXPECT_FALSE(source_of(std::nullopt).Batch(1)[0].box);
+  // A quarter of a box that fills the picture is neither an aircraft nor none.
+  EXPECT_THROW(source_of(Box(7.5, 7.5, 16, 16)).Batch(1), std::runtime_error);
 }
 
 Scenario SmallRig() {
@@ -305,6 +310,83 @@ TEST(PictureSamples, LeavesOutWhatIsHardlyThere) {
   EXPECT_FALSE(IsClear(picture));
   picture.box.reset();
   EXPECT_TRUE(IsClear(picture));
+}
+
+/// Two pictures as `windhover export --format yolo` writes them: one aircraft, and none.
+void WriteFolder(const TemporaryFolder& folder) {
+  folder.Write("labels/train/a_left.txt", "0 0.5000000 0.5000000 0.2500000 0.1250000\n");
+  folder.Write("labels/train/b_left.txt", "");
+  folder.Write("images/train/x", "");
+  const cv::Mat picture(160, 320, CV_8UC3, cv::Scalar(10, 20, 200));  // Red, as OpenCV has it.
+  WriteImageFile(picture, folder.path() / "images/train/a_left.png");
+  WriteImageFile(picture, folder.path() / "images/train/b_left.png");
+}
+
+TEST(LabelledFolder, ReadsPicturesAndBoxes) {
+  const TemporaryFolder folder;
+  WriteFolder(folder);
+  const auto files = ReadLabelledFolder(folder.path());
+  ASSERT_EQ(files.size(), 2u);
+  ASSERT_EQ(files[0].boxes.size(), 1u);
+  EXPECT_DOUBLE_EQ(files[0].boxes[0].x_px, 159.5);
+  EXPECT_DOUBLE_EQ(files[0].boxes[0].y_px, 79.5);
+  EXPECT_DOUBLE_EQ(files[0].boxes[0].w_px, 80);
+  EXPECT_DOUBLE_EQ(files[0].boxes[0].h_px, 20);
+  EXPECT_EQ(files[0].rgb.at<cv::Vec3b>(5, 5), cv::Vec3b(200, 20, 10));
+  EXPECT_TRUE(files[1].boxes.empty());
+  EXPECT_EQ(MakeFolderSource(files, false, {.batch = 6})->Batch(1).size(), 6u);
+  EXPECT_EQ(MakeFolderSource(files, true, {.batch = 6})->Batch(1)[0].rgb.size(),
+            cv::Size(128, 128));
+}
+
+TEST(LabelledFolder, PaintsOtherAircraftOver) {
+  const LabelledFile file{.file = {},
+                          .rgb = cv::Mat(160, 320, CV_8UC3, cv::Scalar::all(9)),
+                          .boxes = {Box(50, 50, 20, 10), Box(200, 80, 20, 10)}};
+  const auto pictures = PicturesOf(file);
+  ASSERT_EQ(pictures.size(), 2u);
+  EXPECT_EQ(pictures[0].rgb.at<cv::Vec3b>(50, 50), cv::Vec3b(9, 9, 9));
+  EXPECT_EQ(pictures[0].rgb.at<cv::Vec3b>(80, 200), cv::Vec3b(114, 114, 114));
+  EXPECT_EQ(pictures[1].box->x_px, 200);
+}
+
+TEST(LabelledFolder, SaysAllThatIsWrong) {
+  const TemporaryFolder folder;
+  WriteFolder(folder);
+  std::filesystem::remove(folder.path() / "labels/train/b_left.txt");
+  folder.Write("labels/train/a_left.txt",
+               "0 0.5 0.5 0.25 0.125\n0 0.5 0.5 0.25\n0 0.9 0.5 0.25 0.125\n"
+               "drone 0.5 0.5 0.1 0.1\n0 nan 0.5 0.1 0.1\n0 0.5 0.5 0 0.1\n");
+  folder.Write("images/train/c_left.png", "no picture");
+  folder.Write("labels/train/c_left.txt", "");
+  try {
+    ReadLabelledFolder(folder.path());
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    const std::string what = error.what();
+    for (const int line : {2, 3, 4, 5, 6}) {
+      EXPECT_THAT(what, testing::HasSubstr("a_left.txt:" + std::to_string(line) + ": must be"));
+    }
+    EXPECT_THAT(what, testing::Not(testing::HasSubstr("a_left.txt:1:")));
+    EXPECT_THAT(what, testing::HasSubstr("b_left.png: must have a label file"));
+    EXPECT_THAT(what, testing::HasSubstr("c_left.png: must be a picture"));
+  }
+  EXPECT_THROW(ReadLabelledFolder(folder.path() / "labels"), ConfigError);
+}
+
+TEST(MixedSource, JoinsItsParts) {
+  const auto of = [](int grey) {
+    const cv::Mat picture(8, 8, CV_8UC3, cv::Scalar::all(grey));
+    return std::make_unique<ReplaySource>(
+        [=](int) {
+          return std::vector{DetectorSample{picture, std::nullopt}};
+        },
+        SmallReplay());
+  };
+  const auto batch = Mixed(of(0), of(250), 0.25)->Batch(1);
+  ASSERT_EQ(batch.size(), 8u);
+  // Varied colours stay dark or bright.
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(cv::mean(batch[i].rgb)[0] < 90, i < 2) << i;
 }
 
 }  // namespace
