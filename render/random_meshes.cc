@@ -226,8 +226,8 @@ AircraftModel MakeRandomTree(RandomStream* random) {
     AddTube(root, tip, height_m * 0.008f, height_m * 0.003f, 8, bark, &model.body);
     if (i >= n_lumps) continue;
     const float lump_m = width_m * Draw(random, 0.15, 0.45);
-    AddEllipsoid(tip, {lump_m, lump_m * Draw(random, 0.7, 1.3), lump_m * Draw(random, 0.5, 1)}, 10,
-                 leaves * Draw(random, 0.6, 1.3), &model.body);
+    const Vector3f radii = lump_m * Vector3f{1, Draw(random, 0.7, 1.3), Draw(random, 0.5, 1)};
+    AddEllipsoid(tip, radii, 10, leaves * Draw(random, 0.6, 1.3), &model.body);
   }
   return Centred(std::move(model));
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "render/mesh_builder.h"
+#include "render/random_meshes.h"
 
 namespace windhover {
 namespace {
@@ -125,6 +126,58 @@ TEST_P(OwnModel, IsInRange) {
 INSTANTIATE_TEST_SUITE_P(All, OwnModel,
                          testing::Values(AircraftType::kM200Orange, AircraftType::kM200Black,
                                          AircraftType::kP600));
+
+/// Drawings that no two look alike, and how large they may be.
+struct RandomKind {
+  const char* name;
+  AircraftModel (*make)(RandomStream*);
+  float least_m, most_m;  ///< Longest side.
+};
+
+class RandomModel : public testing::TestWithParam<RandomKind> {};
+
+TEST_P(RandomModel, IsClosedAndOfItsSize) {
+  RandomStream random(1, GetParam().name);
+  float least_m = 1e9f, most_m = 0;
+  for (int i = 0; i < 40; ++i) {
+    const AircraftModel model = GetParam().make(&random);
+    EXPECT_EQ(CountOpenEdges(model.body), 0);
+    EXPECT_EQ(CountNormalsAgainstWinding(model.body), 0);
+    EXPECT_GT(SignedVolume_m3(model.body), 0);
+    EXPECT_LE(model.body.triangles.size(), 20'000u);
+    EXPECT_LT(WholeBox(model).center().norm(), 1e-4f);
+    for (const Eigen::Vector3f& colour : model.body.base_colours) {
+      ASSERT_TRUE((colour.array() >= 0).all() && (colour.array() <= 1).all());
+    }
+    least_m = std::min(least_m, WholeBox(model).sizes().maxCoeff());
+    most_m = std::max(most_m, WholeBox(model).sizes().maxCoeff());
+  }
+  EXPECT_GE(least_m, GetParam().least_m);
+  EXPECT_LE(most_m, GetParam().most_m);
+  EXPECT_GT(most_m, 1.3f * least_m);  // They do differ.
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RandomModel,
+                         testing::Values(RandomKind{"quadrotor", MakeRandomQuadrotor, 0.2f, 1.8f},
+                                         RandomKind{"bird", MakeRandomBird, 0.2f, 2.6f},
+                                         RandomKind{"aeroplane", MakeRandomAeroplane, 0.6f, 12.5f},
+                                         RandomKind{"tree", MakeRandomTree, 1.5f, 9.f},
+                                         RandomKind{"clutter", MakeRandomClutter, 0.02f, 3.5f}),
+                         [](const auto& kind) { return kind.param.name; });
+
+TEST(MakeRandomQuadrotor, HasPropellersThatPassEachOther) {
+  RandomStream random(2, "quadrotor");
+  for (int i = 0; i < 40; ++i) {
+    const AircraftModel model = MakeRandomQuadrotor(&random);
+    ASSERT_EQ(model.propellers.size(), 4u);
+    for (const Propeller& a : model.propellers) {
+      for (const Propeller& b : model.propellers) {
+        if (a.rotor == b.rotor) continue;
+        EXPECT_GT((a.hub_m - b.hub_m).norm(), a.radius_m + b.radius_m);
+      }
+    }
+  }
+}
 
 TEST(AddRoundedBox, HasTheVolumeOfTheFormula) {
   Mesh mesh;
