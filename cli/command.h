@@ -39,4 +39,7 @@ void AddDoctorCommand(CLI::App& app, CommandAction* chosen);
 void AddTrainCommand(CLI::App& app, CommandAction* chosen);
 void AddSpyCommand(CLI::App& app, CommandAction* chosen);
 
+// `train detector`, which another program does.
+void AddTrainDetectorCommand(CLI::App& train, CommandAction* chosen);
+
 }  // namespace windhover

@@ -233,7 +233,7 @@ void AddRecipeOptions(CLI::App* command, Options* options) {
 
 void AddTrainCommand(CLI::App& app, CommandAction* chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* train = app.add_subcommand("train", "learns corrections of a rig's distances");
+  CLI::App* train = app.add_subcommand("train", "learns detectors, and corrections of a rig's distances");
   train->require_subcommand(1);
   CLI::App* pcm = train->add_subcommand(
       "pcm", "position corrections (PCM, DIC) and a joint MLP, into one card");
@@ -246,6 +246,7 @@ void AddTrainCommand(CLI::App& app, CommandAction* chosen) {
       ->excludes("--tuples");
   const char* example =
       "Example: windhover train pcm scenarios/presets/uavde_12mm.yaml --out card.json";
+  AddTrainDetectorCommand(*train, chosen);
   train->footer(example);
   pcm->footer(example);
   pcm->callback([=] { *chosen = [=] { return Train(*options); }; });

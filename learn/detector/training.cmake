@@ -18,7 +18,8 @@ target_link_libraries(windhover_torch INTERFACE
   ${TORCH_LIBRARY} ${TORCH_CPU_LIBRARY} ${TORCH_C10_LIBRARY})
 
 windhover_library(detector_trainer
-  SOURCES detector_trainer.cc torch_network.cc
-  USES windhover::detector_loss windhover::torch windhover::training)
+  SOURCES detector_trainer.cc torch_network.cc train_detector.cc
+  USES windhover::config windhover::detector_loss windhover::eval windhover::file windhover::torch
+       windhover::training)
 # It parses libtorch's headers alone.
 set_source_files_properties(torch_network.cc PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

@@ -182,10 +182,6 @@ image_box_t CellPrediction::Box() const {
           SideOf(reg_h, stride)};
 }
 
-double OverlapOf(const image_box_t& a, const image_box_t& b) {
-  return OverlapWithGradient(a, b).value;
-}
-
 std::vector<int> AssignSimOta(std::span<const CellPrediction> cells, const image_box_t& target) {
   struct Candidate {
     int index;
@@ -195,7 +191,7 @@ std::vector<int> AssignSimOta(std::span<const CellPrediction> cells, const image
   std::vector<double> overlaps;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!IsInside(cells[i], target) && !IsCentral(cells[i], target)) continue;
-    overlaps.push_back(OverlapOf(cells[i].Box(), target));
+    overlaps.push_back(OverlapWithGradient(cells[i].Box(), target).value);
     candidates.push_back({static_cast<int>(i), CostOf(cells[i], target, overlaps.back())});
   }
   std::sort(overlaps.rbegin(), overlaps.rend());

@@ -29,9 +29,6 @@ struct CellPrediction {
 /// Source: YOLOX, section 2.1 (SimOTA); cost = class + 3 · overlap + 10⁵ unless inside both.
 std::vector<int> AssignSimOta(std::span<const CellPrediction> cells, const image_box_t& target);
 
-/// Intersection over union.
-double OverlapOf(const image_box_t& a, const image_box_t& b);
-
 /// Means over the assigned cells of a batch.
 struct YoloxLossParts {
   double box = 0;     ///< 5 (1 - overlap²)

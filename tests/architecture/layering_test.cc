@@ -34,7 +34,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "network", "estimator",
       "eval"}},
     {"dataset", {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "eval"}},
-    {"cli", {"common", "scenarios", "eval", "budget", "dataset", "learn", "lcmtypes"}},
+    {"cli", {"common", "scenarios", "network", "eval", "budget", "dataset", "learn", "lcmtypes"}},
 };
 
 // cli/in_process_run alone may include every node.

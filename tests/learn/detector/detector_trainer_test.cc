@@ -10,6 +10,7 @@
 
 #include "common/random/random_stream.h"
 #include "learn/detector/torch_network.h"
+#include "network/box_decoding.h"
 #include "network/detector_input.h"
 #include "network/network_onnx.h"
 

@@ -31,13 +31,6 @@ TEST(YoloxLoss, ReadsABoxOffTheRawNumbers) {
   EXPECT_NEAR(box.w_px, 16, 1e-12);
 }
 
-TEST(YoloxLoss, OverlapsAreThoseOfAWorkedExample) {
-  EXPECT_NEAR(OverlapOf({0, 0, 4, 4}, {0, 0, 4, 4}), 1, 1e-12);
-  EXPECT_NEAR(OverlapOf({0, 0, 4, 4}, {2, 0, 4, 4}), 8.0 / 24, 1e-12);
-  EXPECT_NEAR(OverlapOf({0, 0, 4, 4}, {1, 0, 2, 2}), 4.0 / 16, 1e-12);
-  EXPECT_EQ(OverlapOf({0, 0, 4, 4}, {4, 0, 4, 4}), 0);
-}
-
 // A row of cells, the target on that of column 5: the best ten overlaps are 1, two of 8/24 (boxes
 // of 16 px, 8 px apart), and zeros, so k = 1; the right box wins, whatever the others' scores.
 TEST(SimOta, TakesTheRightCellWhereOneIsEnough) {

@@ -1,0 +1,237 @@
+// windhover-train-detector: what `windhover train detector` starts; the only program with libtorch.
+
+#include <chrono>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include "cli/command.h"
+#include "cli/dataset_scenario.h"
+#include "cli/progress.h"
+#include "common/config/fields.h"
+#include "common/file/sha256.h"
+#include "common/file/whole_file.h"
+#include "common/process/process.h"
+#include "learn/detector/picture_samples.h"
+#include "learn/detector/train_detector.h"
+#include "network/detector_card.h"
+#include "network/network_file.h"
+#include "network/network_onnx.h"
+
+namespace windhover {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string scenario = std::string(WINDHOVER_SCENARIOS_DIR) + "/presets/calibrated.yaml";
+  std::string out, state, from, refiner;
+  std::vector<std::string> panoramas, photos;
+  DetectorRecipe recipe;
+  std::uint64_t data_seed = 1;
+  int batch = 32, crop_px = 128, threads = 1;
+  std::optional<double> minutes;
+  bool resume = false;
+};
+
+bool IsRefiner(const Options& options) { return options.recipe.network == "yolox_refine"; }
+
+std::string NameOf(const std::string& file) { return fs::path(file).filename().string(); }
+
+// Without what changes nothing: where files are, how many threads there were, and stops.
+std::string CommandOf(const Options& options) {
+  const DetectorRecipe& recipe = options.recipe;
+  std::string command = fmt::format(
+      "windhover train detector {} --network {} --steps {} --batch {} --crop {} "
+      "--rate {} --seed {} --data-seed {}",
+      NameOf(options.scenario), recipe.network, recipe.steps, options.batch, options.crop_px,
+      recipe.rate, recipe.seed, options.data_seed);
+  for (const std::string& file : options.panoramas) command += " --panorama " + NameOf(file);
+  for (const std::string& file : options.photos) command += " --photo " + NameOf(file);
+  if (!options.from.empty()) command += " --from " + NameOf(options.from);
+  return command;
+}
+
+PictureConfig PicturesOf(const Options& options) {
+  PictureConfig pictures;
+  pictures.seed = options.data_seed;
+  const auto add = [&](EnvironmentType type, const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+      EnvironmentConfig& background = pictures.backgrounds.emplace_back();
+      background.type = type;
+      background.file = {file, fs::absolute(file).string(), file};
+    }
+  };
+  add(EnvironmentType::kPanorama, options.panoramas);
+  add(EnvironmentType::kPhoto, options.photos);
+  return pictures;
+}
+
+std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options) {
+  ReplayConfig replay{.seed = options.data_seed, .batch = options.batch};
+  const Scenario base = LoadDatasetBase(options.scenario, {});
+  if (IsRefiner(options)) return MakeRefinementSource(base, PicturesOf(options), replay);
+  replay.size = {options.crop_px, options.crop_px};
+  return MakeDetectionSource(base, PicturesOf(options), replay);
+}
+
+nlohmann::ordered_json DataOf(const Options& options) {
+  nlohmann::ordered_json data = {{"scenario", NameOf(options.scenario)},
+                                 {"scenario_sha256", Sha256OfFile(options.scenario)},
+                                 {"seed", options.data_seed},
+                                 {"batch", options.batch}};
+  data["crop_px"] = IsRefiner(options) ? kRefinementSide_px : options.crop_px;
+  for (const auto* files : {&options.panoramas, &options.photos}) {
+    for (const std::string& file : *files) data["backgrounds"].push_back(Sha256OfFile(file));
+  }
+  if (!options.from.empty()) data["from_sha256"] = Sha256OfFile(options.from);
+  return data;
+}
+
+// What was written has the convolutions in the order of the table.
+NetworkWeights WeightsFor(const LayerTable& table, const NetworkModel& model) {
+  NetworkWeights weights;
+  std::size_t next = 0;
+  for (const Layer& layer : table.layers) {
+    ConvWeights& own = weights.layers.emplace_back();
+    if (layer.kind != LayerKind::kConv) continue;
+    while (next < model.weights.layers.size() && model.weights.layers[next].weight.empty()) ++next;
+    if (next < model.weights.layers.size()) own = model.weights.layers[next++];
+  }
+  return weights;
+}
+
+DetectorPlan PlanOf(const Options& options) {
+  DetectorPlan plan;
+  plan.recipe = options.recipe;
+  plan.threads = options.threads;
+  plan.make_source = [options] { return SourceOf(options); };
+  plan.state_file = options.state.empty() ? options.out + ".state" : options.state;
+  plan.resume = options.resume;
+  plan.data = DataOf(options);
+  if (!options.from.empty()) {
+    const LayerTable table = MakeYolox(options.recipe.network).table;
+    plan.start = WeightsFor(table, ReadNetwork(options.from));
+    try {
+      CheckWeights(table, *plan.start);
+    } catch (const std::invalid_argument& error) {
+      throw ConfigError(
+          fmt::format("{}: must be a {} ({})", options.from, table.name, error.what()));
+    }
+  }
+  return plan;
+}
+
+void Write(const Options& options, const DetectorPlan& plan, const TrainedDetector& trained) {
+  const YoloxNetwork network = MakeYolox(options.recipe.network);
+  const fs::path onnx = fs::path(options.out).replace_extension(".onnx");
+  ReplaceFile(onnx, NetworkOnnx(network.table, trained.weights, network.height, network.width));
+  DetectorCard card;
+  card.network = options.recipe.network;
+  card.detector = {onnx.filename().string(), Sha256OfFile(onnx)};
+  if (!options.refiner.empty()) {
+    card.refiner = {NameOf(options.refiner), Sha256OfFile(options.refiner)};
+    card.refiner_margin = kRefinementMargin;
+  }
+  card.provenance = {{"command", CommandOf(options)},
+                     {"version", WINDHOVER_VERSION},
+                     {"recipe", ToJson(options.recipe)},
+                     {"data", plan.data},
+                     {"steps_done", trained.steps_done},
+                     {"pictures_seen", std::int64_t{trained.steps_done} * options.batch},
+                     {"input_px", {network.width, network.height}},
+                     {"parameters", ParameterCount(network.table)}};
+  ReplaceFile(options.out, DetectorCardText(card));
+  fs::path curve = options.out;
+  ReplaceFile(curve.replace_extension(".svg"), DetectorCurveSvg(trained.curve));
+  std::cout << options.out << '\n';
+}
+
+TrainedDetector Train(const Options& options, const DetectorPlan& plan) {
+  const Clock::time_point start = Clock::now();
+  const auto is_late = [&] {
+    return options.minutes &&
+           Clock::now() - start > std::chrono::duration<double>(*options.minutes * 60);
+  };
+  Progress progress(isatty(STDERR_FILENO) != 0);
+  return TrainDetector(plan, [&](int done, int total) {
+    progress.Update(done, total);
+    return !StopRequested() && !is_late();
+  });
+}
+
+int Main(const Options& options) {
+  const DetectorPlan plan = PlanOf(options);
+  if (fs::path(options.out).has_parent_path()) {
+    fs::create_directories(fs::path(options.out).parent_path());
+  }
+  const TrainedDetector trained = Train(options, plan);
+  Write(options, plan, trained);
+  if (trained.end == DetectorTrainingEnd::kInterrupted) {
+    fmt::print(stderr,
+               "windhover: stopped after {} of {} steps; go on with --resume (state in {})\n",
+               trained.steps_done, plan.recipe.steps, plan.state_file.string());
+    return kInterrupted;
+  }
+  if (trained.end == DetectorTrainingEnd::kFinished) return kPass;
+  fmt::print(stderr, "windhover: error: training diverged after {} steps\n", trained.steps_done);
+  return kGateFailed;
+}
+
+void AddRecipeOptions(CLI::App* app, Options* options) {
+  DetectorRecipe& recipe = options->recipe;
+  app->add_option("--network", recipe.network, "which one")->check(CLI::IsMember(kYoloxNetworks));
+  app->add_option("--steps", recipe.steps, "batches to learn")->check(CLI::Range(1, 10000000));
+  app->add_option("--batch", options->batch, "pictures in each")->check(CLI::Range(1, 1024));
+  app->add_option("--crop", options->crop_px, "side of the training pictures (px of 352 x 192)")
+      ->check(CLI::IsMember({64, 96, 128, 160, 192}));
+  app->add_option("--rate", recipe.rate, "the largest")->check(CLI::Range(1e-7, 1.0));
+  app->add_option("--seed", recipe.seed, "of initial weights");
+  app->add_option("--from", options->from, ".onnx file to go on from (fine-tuning)")
+      ->check(CLI::ExistingFile);
+  app->add_option("--threads", options->threads, "1 or 2 of learning; changes no bit")
+      ->check(CLI::Range(1, 256));
+}
+
+void AddOptions(CLI::App* app, Options* options) {
+  app->add_option("SCENARIO", options->scenario, "scenario or preset whose rig takes the pictures")
+      ->check(CLI::ExistingFile);
+  app->add_option("--out", options->out, "card to write (.json); .onnx and curve go beside it")
+      ->required();
+  app->add_option("--data-seed", options->data_seed, "which pictures");
+  app->add_option("--panorama", options->panoramas, "background besides the drawn ones")
+      ->check(CLI::ExistingFile);
+  app->add_option("--photo", options->photos, "background besides the drawn ones")
+      ->check(CLI::ExistingFile);
+  app->add_option("--refiner", options->refiner, ".onnx file beside the card: second stage")
+      ->check(CLI::ExistingFile);
+  app->add_option("--state", options->state, "where an unfinished training is kept; OUT.state");
+  app->add_option("--minutes", options->minutes, "stop after so many; go on with --resume")
+      ->check(CLI::PositiveNumber);
+  app->add_flag("--resume", options->resume, "go on with an unfinished training");
+  AddRecipeOptions(app, options);
+  app->footer(
+      "Example: windhover train detector --network yolox_small --steps 20000 --threads 2 "
+      "--out models/yolox_small.json");
+}
+
+}  // namespace
+}  // namespace windhover
+
+int main(int argc, char** argv) {
+  // Keep what a step allocates for the next one: mapping it anew takes a third of the time.
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
+  mallopt(M_ARENA_MAX, 1);
+  windhover::Options options;
+  CLI::App app("trains a detector on rendered pictures", "windhover train detector");
+  windhover::AddOptions(&app, &options);
+  int exit_code = 0;
+  const int status =
+      windhover::RunProgram(app, argc, argv, [&] { exit_code = windhover::Main(options); });
+  return status == 0 ? exit_code : status;
+}
