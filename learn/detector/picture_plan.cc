@@ -55,9 +55,9 @@ Distractor MakeDistractor(RandomStream* random) {
   return {MakeShape(MakeRandomClutter(random)), 5, 60};
 }
 
-// Some hundreds a process, as making one ready for drawing takes as long as ten pictures.
+// Some a process, as making one ready for drawing takes as long as ten pictures.
 Distractor DrawDistractor(Split split, RandomStream* random) {
-  constexpr std::uint64_t kDistractors = 256;
+  constexpr std::uint64_t kDistractors = 128;
   static std::mutex mutex;
   static std::map<std::pair<Split, std::uint64_t>, Distractor> made;
   const std::pair key(split, (*random)() % kDistractors);

@@ -258,6 +258,19 @@ TEST(PictureScene, HoldsSurroundingsBackForTests) {
   EXPECT_EQ(kinds.size(), 4u);
 }
 
+TEST(PictureScene, IsBeforePanoramasWhereGiven) {
+  PictureConfig config = FewPictures();
+  config.most_distractors = 0;
+  config.backgrounds.resize(1);
+  config.backgrounds[0].type = EnvironmentType::kPanorama;
+  int n = 0;
+  for (int scene = 0; scene < 40; ++scene) {
+    const auto plan = PlanPictures(SmallRig(), config, scene);
+    n += plan.scenario.environment.type == EnvironmentType::kPanorama;
+  }
+  EXPECT_NEAR(n, 10, 4 * std::sqrt(40 * 0.25 * 0.75));  // One of four; four standard deviations.
+}
+
 LabelledPicture GreyPicture() {
   LabelledPicture picture;
   picture.rgb = cv::Mat(720, 1280, CV_8UC3, cv::Scalar::all(50));
