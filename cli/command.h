@@ -42,4 +42,7 @@ void AddSpyCommand(CLI::App& app, CommandAction* chosen);
 // `train detector`, which another program does.
 void AddTrainDetectorCommand(CLI::App& train, CommandAction* chosen);
 
+// `train detector-noise`.
+void AddDetectorNoiseCommand(CLI::App& train, CommandAction* chosen);
+
 }  // namespace windhover

@@ -249,6 +249,7 @@ void AddTrainCommand(CLI::App& app, CommandAction* chosen) {
   AddTrainDetectorCommand(*train, chosen);
   train->footer(example);
   pcm->footer(example);
+  AddDetectorNoiseCommand(*train, chosen);
   pcm->callback([=] { *chosen = [=] { return Train(*options); }; });
 }
 

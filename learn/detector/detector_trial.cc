@@ -1,0 +1,180 @@
+#include "learn/detector/detector_trial.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/file/whole_file.h"
+#include "rig/fitted_box_noise.h"
+
+namespace windhover {
+namespace {
+
+constexpr double kMinScore = 0.01;
+constexpr std::array<double, 6> kRanges_m = {4, 8, 15, 22, 30, 40};
+
+bool IsWithin(const image_box_t& found, const image_box_t& truth) {
+  return std::abs(found.x_px - truth.x_px) <= truth.w_px / 2 &&
+         std::abs(found.y_px - truth.y_px) <= truth.h_px / 2;
+}
+
+const LabelledBox& Label(const TriedPair& pair, std::size_t eye) {
+  return pair.result.eyes[eye].labels.front();
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+TrialScore::Bin BinOf(const std::vector<TriedPair>& pairs, double from_m, double to_m) {
+  TrialScore::Bin bin{.from_m = from_m, .to_m = to_m};
+  std::vector<double> centres, differences;
+  double sum = 0;
+  for (const TriedPair& pair : pairs) {
+    if (!HasClearTarget(pair)) continue;
+    const LabelledBox &left_label = Label(pair, 0), &right_label = Label(pair, 1);
+    if (left_label.range_m < from_m || left_label.range_m >= to_m) continue;
+    ++bin.n;
+    const stereo_box_t* found = DetectionOf(pair);
+    if (found == nullptr) continue;
+    ++bin.n_found;
+    const double left = found->left.x_px - left_label.box.x_px;
+    const double right = found->right.x_px - right_label.box.x_px;
+    centres.insert(centres.end(), {std::abs(left), std::abs(right)});
+    differences.push_back(std::abs(left - right));
+    sum += left + right;
+  }
+  bin.centre_px = Median(centres);
+  bin.difference_px = Median(differences);
+  if (!centres.empty()) bin.bias_px = sum / static_cast<double>(centres.size());
+  return bin;
+}
+
+BoxErrors::OneImage ErrorOf(const image_box_t& found, const image_box_t& truth) {
+  return {found.x_px - truth.x_px, found.y_px - truth.y_px, found.w_px - truth.w_px,
+          found.h_px - truth.h_px};
+}
+
+}  // namespace
+
+std::vector<TriedPair> TryDetector(YoloxDetector* detector, const Scenario& base,
+                                   const PictureConfig& pictures, int n_pairs,
+                                   const std::function<bool(int done)>& on_pair) {
+  std::vector<std::vector<stereo_box_t>> detections;  // In order: one thread draws.
+  const auto detect = [&](const cv::Mat& left, const cv::Mat& right) -> FoundInPair {
+    detections.push_back(detector->Detect(left, right));
+    auto found = detector->DetectEach(left, right, kMinScore);
+    return {std::move(found[0]), std::move(found[1])};
+  };
+  auto results = ShowPictures(base, pictures, n_pairs, /*threads=*/1, detect, on_pair);
+  std::vector<TriedPair> pairs;
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    pairs.push_back({std::move(results[i]), std::move(detections[i])});
+  }
+  return pairs;
+}
+
+bool HasClearTarget(const TriedPair& pair) {
+  return std::all_of(pair.result.eyes.begin(), pair.result.eyes.end(), [](const ImageResult& eye) {
+    return eye.labels.size() == 1 && eye.labels.front().counts;
+  });
+}
+
+const stereo_box_t* DetectionOf(const TriedPair& pair) {
+  if (!HasClearTarget(pair)) return nullptr;
+  for (const stereo_box_t& box : pair.detections) {  // Best first.
+    if (IsWithin(box.left, Label(pair, 0).box) && IsWithin(box.right, Label(pair, 1).box)) {
+      return &box;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<BoxErrorSample> ErrorSamples(const std::vector<TriedPair>& pairs) {
+  std::vector<BoxErrorSample> samples;
+  for (const TriedPair& pair : pairs) {
+    if (!HasClearTarget(pair)) continue;
+    const image_box_t &left = Label(pair, 0).box, &right = Label(pair, 1).box;
+    BoxErrorSample& sample = samples.emplace_back();
+    sample.sizes = {{{left.w_px, left.h_px}, {right.w_px, right.h_px}}};
+    const stereo_box_t* found = DetectionOf(pair);
+    if (found == nullptr) continue;
+    sample.errors =
+        BoxErrors{.left = ErrorOf(found->left, left), .right = ErrorOf(found->right, right)};
+  }
+  return samples;
+}
+
+TrialScore ScoreTrial(const std::vector<TriedPair>& pairs) {
+  TrialScore score;
+  score.bins.push_back(BinOf(pairs, 0, 1e9));
+  for (std::size_t i = 0; i + 1 < kRanges_m.size(); ++i) {
+    score.bins.push_back(BinOf(pairs, kRanges_m[i], kRanges_m[i + 1]));
+  }
+  std::vector<ImageResult> images;
+  for (const TriedPair& pair : pairs) {
+    images.insert(images.end(), pair.result.eyes.begin(), pair.result.eyes.end());
+    const int n = static_cast<int>(pair.detections.size());
+    const bool is_empty = pair.result.eyes[0].labels.empty() && pair.result.eyes[1].labels.empty();
+    score.n_empty += is_empty ? 1 : 0;
+    if (is_empty) {
+      score.n_false += n;
+    } else if (HasClearTarget(pair)) {
+      score.n_beside += n - (DetectionOf(pair) == nullptr ? 0 : 1);
+    }
+  }
+  score.ap50 = AveragePrecision(images, 0.5);
+  score.ap50_95 = MeanAveragePrecision(images);
+  return score;
+}
+
+std::string TrialText(const TrialScore& score) {
+  std::string text = "range_m      n  recall  |x| px  |xL-xR| px  bias px\n";
+  for (const TrialScore::Bin& bin : score.bins) {
+    const std::string range =
+        bin.from_m == 0 ? "all" : fmt::format("{:g}-{:g}", bin.from_m, bin.to_m);
+    text += fmt::format("{:>7} {:>6} {:>7.3f} {:>7.2f} {:>11.2f} {:>8.2f}\n", range, bin.n,
+                        bin.n == 0 ? 0.0 : static_cast<double>(bin.n_found) / bin.n, bin.centre_px,
+                        bin.difference_px, bin.bias_px);
+  }
+  if (score.ap50) text += fmt::format("AP50 {:.3f}, AP50:95 {:.3f}\n", *score.ap50, *score.ap50_95);
+  return text + fmt::format("{} false in {} empty pairs, {} beside targets\n", score.n_false,
+                            score.n_empty, score.n_beside);
+}
+
+nlohmann::ordered_json TrialJson(const TrialScore& score) {
+  nlohmann::ordered_json bins = nlohmann::ordered_json::array();
+  for (const TrialScore::Bin& bin : score.bins) {
+    nlohmann::ordered_json json = {{"n", bin.n},
+                                   {"found", bin.n_found},
+                                   {"centre_x_median_px", bin.centre_px},
+                                   {"difference_median_px", bin.difference_px},
+                                   {"bias_px", bin.bias_px}};
+    if (bin.from_m > 0) json["range_m"] = {bin.from_m, bin.to_m};
+    bins.push_back(json);
+  }
+  return {{"ap50", score.ap50.value_or(0)},
+          {"ap50_95", score.ap50_95.value_or(0)},
+          {"bins", bins},
+          {"empty_pairs", score.n_empty},
+          {"false_in_empty", score.n_false},
+          {"beside_targets", score.n_beside}};
+}
+
+std::string BoxNoiseText(const GeometricConfig& fitted) {
+  return "box_noise: " + BoxNoiseJson(fitted).dump() + "\n";
+}
+
+void PutIntoCard(const std::filesystem::path& card, const std::string& command,
+                 const TrialScore& score, const GeometricConfig& fitted) {
+  DetectorCard content = ReadDetectorCard(card);
+  content.box_noise = BoxNoiseJson(fitted);
+  content.provenance["box_noise"] = {{"command", command}, {"trial", TrialJson(score)}};
+  ReplaceFile(card, DetectorCardText(content));
+}
+
+}  // namespace windhover
