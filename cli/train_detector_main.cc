@@ -33,7 +33,7 @@ struct Options {
   std::vector<std::string> panoramas, photos;
   DetectorRecipe recipe;
   std::uint64_t data_seed = 1;
-  int batch = 32, crop_px = 128, threads = 1;
+  int batch = 32, crop_px = 128, whole_every = 10, threads = 1;
   std::optional<double> minutes;
   bool resume = false;
 };
@@ -76,6 +76,8 @@ std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options) {
   const Scenario base = LoadDatasetBase(options.scenario, {});
   if (IsRefiner(options)) return MakeRefinementSource(base, PicturesOf(options), replay);
   replay.size = {options.crop_px, options.crop_px};
+  replay.whole_every = options.whole_every;
+  replay.whole_batch = options.batch;  // Half of it at least 16, or libtorch takes a slower way.
   return MakeDetectionSource(base, PicturesOf(options), replay);
 }
 
@@ -85,6 +87,7 @@ nlohmann::ordered_json DataOf(const Options& options) {
                                  {"seed", options.data_seed},
                                  {"batch", options.batch}};
   data["crop_px"] = IsRefiner(options) ? kRefinementSide_px : options.crop_px;
+  if (!IsRefiner(options)) data["whole_every"] = options.whole_every;
   for (const auto* files : {&options.panoramas, &options.photos}) {
     for (const std::string& file : *files) data["backgrounds"].push_back(Sha256OfFile(file));
   }
@@ -189,6 +192,9 @@ void AddRecipeOptions(CLI::App* app, Options* options) {
   app->add_option("--batch", options->batch, "pictures in each")->check(CLI::Range(1, 1024));
   app->add_option("--crop", options->crop_px, "side of the training pictures (px of 352 x 192)")
       ->check(CLI::IsMember({64, 96, 128, 160, 192}));
+  app->add_option("--whole-every", options->whole_every,
+                  "steps from one that learns whole pictures to the next; 0: none")
+      ->check(CLI::Range(0, 1000000));
   app->add_option("--rate", recipe.rate, "the largest")->check(CLI::Range(1e-7, 1.0));
   app->add_option("--seed", recipe.seed, "of initial weights");
   app->add_option("--from", options->from, ".onnx file to go on from (fine-tuning)")
