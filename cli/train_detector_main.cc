@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include "cli/command.h"
@@ -229,10 +228,6 @@ void AddOptions(CLI::App* app, Options* options) {
 }  // namespace windhover
 
 int main(int argc, char** argv) {
-  // Keep what a step allocates for the next one: mapping it anew takes a third of the time.
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, -1);
-  mallopt(M_ARENA_MAX, 1);
   windhover::Options options;
   CLI::App app("trains a detector on rendered pictures", "windhover train detector");
   windhover::AddOptions(&app, &options);
