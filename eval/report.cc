@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "common/config/enum_name.h"
+#include "common/file/whole_file.h"
 #include "eval/evaluation.h"
 #include "eval/report_charts.h"
 #include "eval/report_frames.h"
@@ -209,7 +210,7 @@ void WriteReport(const Evaluation& evaluation, const std::filesystem::path& dir)
   html += Section("Scenario", ScenarioList(evaluation));
   html += Section("Timing (wall clock)", TimingHtml(evaluation.timing));
   html += Section("Provenance", Provenance(evaluation));
-  WriteTextFile(dir / "report.html", html + "</body></html>\n");
+  ReplaceFile(dir / "report.html", html + "</body></html>\n");
 }
 
 }  // namespace windhover

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/config/enum_name.h"
+#include "common/file/whole_file.h"
 #include "eval/evaluation.h"
 #include "eval/text_file.h"
 
@@ -54,7 +55,7 @@ std::string TestSuite(const std::string& name, const std::string& cases, std::si
 }  // namespace
 
 void WriteScore(const Evaluation& evaluation, const std::filesystem::path& dir) {
-  WriteTextFile(dir / "score.json", evaluation.score.dump(2) + "\n");
+  ReplaceFile(dir / "score.json", evaluation.score.dump(2) + "\n");
 }
 
 void WriteEstimatesCsv(const Evaluation& evaluation, const std::filesystem::path& dir) {
@@ -66,7 +67,7 @@ void WriteEstimatesCsv(const Evaluation& evaluation, const std::filesystem::path
       csv += Row(frame, observe, scenario.estimator.methods[m], frame.estimates[m]);
     }
   }
-  WriteTextFile(dir / "estimates.csv", csv);
+  ReplaceFile(dir / "estimates.csv", csv);
 }
 
 void WriteJunit(const Evaluation& evaluation, const std::filesystem::path& dir) {
@@ -78,13 +79,13 @@ void WriteJunit(const Evaluation& evaluation, const std::filesystem::path& dir) 
     cases += TestCase(gate.name, gate.message);
     if (!gate.pass) ++n_failures;
   }
-  WriteTextFile(dir / "junit.xml", TestSuite(run.scenario.description, cases,
-                                             evaluation.gates.size() + 1, n_failures));
+  ReplaceFile(dir / "junit.xml",
+              TestSuite(run.scenario.description, cases, evaluation.gates.size() + 1, n_failures));
 }
 
 void WriteJunitOfDeadRun(const std::string& reason, const std::filesystem::path& dir) {
   const std::string failing = TestCase("the run is valid", "the run is INVALID: " + reason);
-  WriteTextFile(dir / "junit.xml", TestSuite("windhover", failing, 1, 1));
+  ReplaceFile(dir / "junit.xml", TestSuite("windhover", failing, 1, 1));
 }
 
 }  // namespace windhover

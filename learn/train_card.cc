@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "common/file/whole_file.h"
 #include "eval/svg_chart.h"
-#include "eval/text_file.h"
 #include "learn/fit_priors.h"
 
 namespace windhover {
@@ -114,7 +114,7 @@ TrainedCard TrainCard(const CardPlan& plan,
       trained.end = TrainingEnd::kDiverged;
     } else if (!on_epoch(trainer.epochs_done(), plan.pcm.epochs) && !trainer.finished()) {
       trained.end = TrainingEnd::kInterrupted;
-      WriteTextFile(plan.state_file, trainer.State());
+      ReplaceFile(plan.state_file, trainer.State());
       return trained;
     }
   }
