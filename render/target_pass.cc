@@ -51,6 +51,19 @@ std::vector<float> DiscAlphas(const ShadedTarget& target, const ProjectedMesh& d
   return alphas;
 }
 
+TargetDrawing DrawingOf(const ShadedTarget& target, const AnyCamera& camera, const RowPoses& pose,
+                        const RotorTurning& turning) {
+  TargetDrawing drawing{&target,
+                        Project(target.level->body, camera, pose),
+                        Project(target.level->discs, camera, pose),
+                        {},
+                        {}};
+  drawing.disc_alphas = DiscAlphas(target, drawing.discs, pose, turning);
+  drawing.bounds = drawing.body.bounds;
+  drawing.bounds.Extend(drawing.discs.bounds);
+  return drawing;
+}
+
 std::vector<SampleShift> InSamples(const DrawnPart& part, int samples_per_px) {
   std::vector<SampleShift> shifts;
   for (const Eigen::Vector2d& shift_px : part.shifts_px) {
@@ -67,8 +80,8 @@ struct TargetPass::Gathering {
   LayerSum sum;
   int samples_per_px;
   PixelRect region;  // Of the image, and as far around it as the drawing's samples are moved.
-  std::vector<SampleShift> shifts;
-  const SampleShift* middle;  // Of the exposure, if it is among `shifts`; else null.
+  std::vector<SampleShift> shifts;  // None: only the cover is wanted.
+  const SampleShift* middle;        // Where the cover is taken from; null: from nowhere.
 };
 
 TargetPass::TargetPass(std::unique_ptr<TargetCanvas> canvas, double max_blur_px)
@@ -92,17 +105,8 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera
   ImageBounds bounds;
   double shift_px = 0;
   for (const DrawnPart& part : parts) {
-    const RowPoses& pose = X_CB[part.drawn];
-    drawings.push_back({&target,
-                        Project(target.level->body, camera, pose),
-                        Project(target.level->discs, camera, pose),
-                        {},
-                        {}});
-    drawings.back().disc_alphas =
-        DiscAlphas(target, drawings.back().discs, pose,
-                   rotors.Part(part.first, part.shifts_px.size(), X_CB.size()));
-    drawings.back().bounds = drawings.back().body.bounds;
-    drawings.back().bounds.Extend(drawings.back().discs.bounds);
+    drawings.push_back(DrawingOf(target, camera, X_CB[part.drawn],
+                                 rotors.Part(part.first, part.shifts_px.size(), X_CB.size())));
     bounds.Extend(drawings.back().bounds);
     shift_px = std::max(shift_px, part.LargestShift_px());
   }
@@ -111,14 +115,22 @@ TargetLayer TargetPass::Draw(const ShadedTarget& target, const AnyCamera& camera
   const PixelRect roi = bounds.Within(width_px, height_px, 0);
   if (roi.IsEmpty()) return {};
   Gathering gathering{{roi, samples_per_px}, samples_per_px, {}, {}, nullptr};
+  const bool is_one = parts.size() == 1;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const double reach_px = parts[i].LargestShift_px();
-    const std::size_t middle = X_CB.size() / 2 - parts[i].first;
     gathering.shifts = InSamples(parts[i], samples_per_px);
-    gathering.middle = middle < gathering.shifts.size() ? &gathering.shifts[middle] : nullptr;
+    gathering.middle = is_one ? &gathering.shifts[X_CB.size() / 2] : nullptr;
     gathering.region = drawings[i].bounds.Within(
         width_px, height_px, reach_px > 0 ? static_cast<int>(std::ceil(reach_px)) + 1 : 0);
     Gather(drawings[i], &gathering);
+  }
+  // A part's blades are not all that is seen of them.
+  if (!is_one) {
+    const SampleShift unmoved{0, 0};
+    gathering.region = roi;
+    gathering.shifts.clear();
+    gathering.middle = &unmoved;
+    Gather(DrawingOf(target, camera, X_CB[X_CB.size() / 2], rotors), &gathering);
   }
   return std::move(gathering.sum).Mean(X_CB.size());
 }
@@ -140,6 +152,7 @@ void TargetPass::Gather(const TargetDrawing& drawing, Gathering* gathering) {
         canvas_->ReadCover(&cover_);
         gathering->sum.SetCover(shown, cover_, *gathering->middle);
       }
+      if (gathering->shifts.empty()) continue;
       if (gathering->shifts.size() == 1) {
         canvas_->AddPixels(gathering->sum.PixelsAt(shown.x0, shown.y0), gathering->sum.Stride());
         continue;
