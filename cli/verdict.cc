@@ -23,19 +23,6 @@ std::string Interval(const Json& method, const char* key) {
                      method[path][1].get<double>());
 }
 
-std::string MethodRows(const Json& score) {
-  std::string text = fmt::format("{:<12} {:>6} {:>8}  {:<24} {:<24} {:>8}\n", "method", "frames",
-                                 "detected", "Abs Rel, misses are 1", "Abs Rel", "bias m");
-  for (const auto& [name, method] : score["methods"].items()) {
-    text += fmt::format("{:<12} {:>6} {:>8}  {:<24} {:<24} {:>8}\n", name,
-                        Number(method, "n", "{:.0f}"), Number(method, "detected", "{:.0f}"),
-                        Number(method, "abs_rel_all", "{:.3f}") + Interval(method, "abs_rel_all"),
-                        Number(method, "abs_rel", "{:.3f}") + Interval(method, "abs_rel"),
-                        Number(method, "bias_m", "{:+.2f}"));
-  }
-  return text;
-}
-
 std::string GateRows(const Json& score) {
   if (score["gates"].empty()) return "";
   std::string text = fmt::format("\n{:<44} {:>10} {:>10}  {}\n", "gate", "limit", "value", "");
@@ -54,9 +41,22 @@ int ExitCodeOf(const std::string& verdict) {
   return verdict == "fail" ? kGateFailed : kRunInvalid;
 }
 
+std::string MethodsTable(const Json& score) {
+  std::string text = fmt::format("{:<12} {:>6} {:>8}  {:<24} {:<24} {:>8}\n", "method", "frames",
+                                 "detected", "Abs Rel, misses are 1", "Abs Rel", "bias m");
+  for (const auto& [name, method] : score["methods"].items()) {
+    text += fmt::format("{:<12} {:>6} {:>8}  {:<24} {:<24} {:>8}\n", name,
+                        Number(method, "n", "{:.0f}"), Number(method, "detected", "{:.0f}"),
+                        Number(method, "abs_rel_all", "{:.3f}") + Interval(method, "abs_rel_all"),
+                        Number(method, "abs_rel", "{:.3f}") + Interval(method, "abs_rel"),
+                        Number(method, "bias_m", "{:+.2f}"));
+  }
+  return text;
+}
+
 std::string VerdictTable(const Json& score) {
   const std::string verdict = score.value("verdict", "invalid");
-  std::string text = MethodRows(score) + GateRows(score) + "\nverdict: " + verdict;
+  std::string text = MethodsTable(score) + GateRows(score) + "\nverdict: " + verdict;
   const std::string reason = score.value("invalid_reason", "");
   if (verdict == "invalid" && !reason.empty()) text += ": " + reason;
   return text + "\n";

@@ -12,6 +12,9 @@ namespace windhover {
 /// Exit code of a verdict: pass 0, fail 1, invalid 3.
 int ExitCodeOf(const std::string& verdict);
 
+/// Section `methods` of score.json as a table for a terminal.
+std::string MethodsTable(const nlohmann::ordered_json& score);
+
 /// score.json as a table for a terminal: methods, gates, verdict.
 std::string VerdictTable(const nlohmann::ordered_json& score);
 

@@ -85,10 +85,15 @@ Json TimingJson(const Json& timing) {
 
 }  // namespace
 
+Json MethodsJson(const std::vector<MethodScore>& methods) {
+  Json json = Json::object();
+  for (const MethodScore& method : methods) json[method.method] = MethodJson(method);
+  return json;
+}
+
 Json ScoreJson(const Evaluation& evaluation) {
   const RunRecord& run = evaluation.run;
-  Json methods = Json::object();
-  for (const MethodScore& method : evaluation.methods) methods[method.method] = MethodJson(method);
+  Json methods = MethodsJson(evaluation.methods);
   if (methods.contains("baseline")) {
     methods["baseline"]["disparity_offset_px"] = NumberOrNull(evaluation.disparity_offset_px);
   }

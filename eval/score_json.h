@@ -10,6 +10,9 @@ namespace windhover {
 /// are null.
 nlohmann::ordered_json ScoreJson(const Evaluation& evaluation);
 
+/// Its section `methods`.
+nlohmann::ordered_json MethodsJson(const std::vector<MethodScore>& methods);
+
 /// Adds what the gates say.
 void AddVerdict(const Evaluation& evaluation, nlohmann::ordered_json* score);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "common/config/fields.h"
+#include "common/file/whole_file.h"
 #include "common/table/number_table.h"
 #include "learn/uavde_file.h"
 
@@ -99,7 +99,8 @@ TupleSplits ReadTupleTable(const std::string& file, int image_width_px, int imag
 }  // namespace
 
 void WriteTuples(const TupleSplits& tuples, const std::string& file) {
-  std::ofstream out(file);
+  WholeFile whole(file);
+  std::ostream& out = whole.out();
   out << kTupleColumns << '\n';
   int split = 0;
   for (const auto* part : {&tuples.train, &tuples.val, &tuples.test}) {
@@ -111,7 +112,7 @@ void WriteTuples(const TupleSplits& tuples, const std::string& file) {
     }
     ++split;
   }
-  if (!out.flush()) throw std::runtime_error("cannot write " + file);
+  whole.Commit();
 }
 
 TupleSplits ReadTuples(const std::filesystem::path& file, int image_width_px, int image_height_px) {

@@ -15,7 +15,7 @@ namespace {
       fmt::format("{}: cannot be written: {}", file.string(), error.message()));
 }
 
-std::error_code LastError() { return {errno, std::generic_category()}; }
+std::error_code LastError() { return {errno == 0 ? EIO : errno, std::generic_category()}; }
 
 }  // namespace
 
@@ -34,7 +34,7 @@ WholeFile::~WholeFile() {
 }
 
 void WholeFile::Commit() {
-  errno = 0;
+  if (out_) errno = 0;  // Else it says why what came before could not be written.
   out_.close();
   if (!out_) Fail(file_, LastError());
   std::error_code error;

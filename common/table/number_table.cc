@@ -75,6 +75,11 @@ void FileFindings::Add(int line, const std::string& what) {
 
 void FileFindings::Add(const std::string& what) { Keep(fmt::format("{}: {}", file_, what)); }
 
+void FileFindings::Add(const FileFindings& other) {
+  for (const std::string& message : other.messages_) Keep(message);
+  count_ += other.count_ - static_cast<int>(other.messages_.size());
+}
+
 void FileFindings::ThrowIfAny() const {
   if (empty()) return;
   std::string text = fmt::format("{}", fmt::join(messages_, "\n"));

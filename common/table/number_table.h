@@ -16,6 +16,9 @@ class FileFindings {
   /// Notes something about the file as a whole.
   void Add(const std::string& what);
 
+  /// Takes over what is wrong with another file.
+  void Add(const FileFindings& other);
+
   bool empty() const { return count_ == 0; }
 
   /// @throws ConfigError with one `FILE:LINE: WHAT` a line, if anything was noted.

@@ -9,7 +9,9 @@
 
 #include "common/config/fields.h"
 #include "learn/numpy_pickle.h"
+#include "learn/tuple_score.h"
 #include "learn/uavde_file.h"
+#include "learn/uavde_folder.h"
 #include "tests/support/scratch_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -265,6 +267,130 @@ TEST(UavdeFile, WithstandsDamage) {
     changed[i] = i % 2 == 0 ? '\0' : '\xff';
     MessageOf([&] { Read(changed); });
   }
+}
+
+/// A data set in UAVDE's layout with two frames of one flight and one of another.
+class UavdeTexts : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    Write("test_no_prefix.txt",
+          "2023-03-01-00042.txt\n2023-03-02-00007.txt\n2023-03-01-00002.txt\n");
+    Write("test/annotations.csv",
+          ",altitude,distance\n2023-03-01-Left-00042.jpg,3,20.5\n"
+          "2023-03-02-Left-00007.jpg,3,10\n2023-03-01-Left-00002.jpg,3,21\n");
+    for (const std::string frame :
+         {"2023-03-01-{}-00042", "2023-03-02-{}-00007", "2023-03-01-{}-00002"}) {
+      for (const char* side : {"Left", "Right"}) {
+        const std::string name = fmt::format(fmt::runtime(frame), side);
+        const double x = side[0] == 'L' ? 0.5 : 0.25;
+        // The last row of a detector counts, the largest of a person.
+        Write("test/inference/detected_labels/" + name + ".txt",
+              fmt::format("0 0.1 0.1 0.9 0.9 0.2\n0 {} 0.5 0.125 0.25 0.75\n", x));
+        Write("test/label/" + name + ".txt",
+              fmt::format("0 {} 0.5 0.25 0.25\n0 0.1 0.1 0.01 0.02\n", x));
+      }
+    }
+  }
+
+  void Write(const std::string& name, const std::string& text) {
+    const auto file = folder_.path() / "data" / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file) << text;
+  }
+
+  std::vector<StereoTuple> Read(UavdeFolder data = {}) {
+    data.folder = folder_.path();
+    const TupleSplits splits = ReadUavdeTexts(data);
+    std::vector<StereoTuple> all = splits.train;
+    all.insert(all.end(), splits.val.begin(), splits.val.end());
+    all.insert(all.end(), splits.test.begin(), splits.test.end());
+    return all;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(UavdeTexts, FramesComeByFlightAndTime) {
+  const std::vector<StereoTuple> tuples = Read({.frame_rate_hz = 20});
+  ASSERT_EQ(tuples.size(), 3u);
+  EXPECT_EQ(tuples[0].flight, 0);
+  EXPECT_EQ(tuples[0].utime, 100'000);
+  EXPECT_EQ(tuples[0].range_m, 21);
+  EXPECT_EQ(tuples[1].utime, 2'100'000);
+  EXPECT_EQ(tuples[1].range_m, 20.5);
+  EXPECT_EQ(tuples[1].range_true_m, 20.5);
+  EXPECT_EQ(tuples[2].flight, 1);
+  // A share of 1/2 lies between the two middle pixels.
+  EXPECT_EQ(tuples[0].box.left.x_px, 639.5);
+  EXPECT_EQ(tuples[0].box.right.x_px, 319.5);
+  EXPECT_EQ(tuples[0].box.left.w_px, 160);
+  EXPECT_EQ(tuples[0].box.left.h_px, 180);
+  EXPECT_EQ(tuples[0].box.score, 0.75);
+  EXPECT_EQ(Read({.boxes = UavdeBoxes::kLabelled})[0].box.left.w_px, 320);
+}
+
+TEST_F(UavdeTexts, TakesExactDistancesWhereThereAreSome) {
+  Write("test/annotations_exact.csv", ",distance\n2023-03-01-Left-00042.jpg,20.25\n");
+  const std::vector<StereoTuple> tuples = Read();
+  EXPECT_EQ(tuples[1].range_m, 20.5);
+  EXPECT_EQ(tuples[1].range_true_m, 20.25);
+  EXPECT_EQ(tuples[0].range_true_m, 21);
+}
+
+TEST_F(UavdeTexts, EveryMistakeIsSaidAtOnce) {
+  Write("test_no_prefix.txt",
+        "2023-03-01-00042.txt\nx/y\n2023-03-02-00007.txt\n2023-03-09-1.txt\n");
+  Write("test/inference/detected_labels/2023-03-01-Left-00042.txt", "");
+  Write("test/inference/detected_labels/2023-03-01-Right-00042.txt", "0 0.1 nan 0.1 0.1 0.5\n");
+  Write("test/inference/detected_labels/2023-03-02-Left-00007.txt", "0 0.1 0.5 0.1 0.1 0.5\n");
+  const std::string message = MessageOf([&] { Read(); });
+  EXPECT_THAT(message, HasSubstr("2023-03-01-Left-00042.txt: must have a row"));
+  EXPECT_THAT(message, HasSubstr("00042.txt:1: column 3: must be a finite number (found 'nan')"));
+  EXPECT_THAT(message,
+              HasSubstr("test_no_prefix.txt:2: must be PREFIX-NUMBER.txt (found \"x/y\")"));
+  EXPECT_THAT(message, HasSubstr("test_no_prefix.txt:3: the left box must be right of the right"));
+  EXPECT_THAT(message, HasSubstr("annotations.csv must have 2023-03-09-Left-1.jpg"));
+  EXPECT_THAT(message, HasSubstr("2023-03-09-Left-1.txt: cannot be opened"));
+}
+
+TEST_F(UavdeTexts, DistancesAreReadStrictly) {
+  Write("test/annotations.csv", ",distance\n2023-03-01-Left-00042.jpg,far\nx,1,2\n");
+  const std::string message = MessageOf([&] { Read(); });
+  EXPECT_THAT(message, HasSubstr("annotations.csv:2: must be 2 columns with a finite distance"));
+  EXPECT_THAT(message, HasSubstr("annotations.csv:3: must be 2 columns"));
+  Write("test/annotations.csv", "name,range\n");
+  EXPECT_THAT(MessageOf([&] { Read(); }), HasSubstr("must have a column 'distance'"));
+  std::filesystem::remove(folder_.path() / "data/test_no_prefix.txt");
+  EXPECT_THAT(MessageOf([&] { Read(); }), HasSubstr("found none"));
+}
+
+// Two flights, each at rest: an offset of the disparity makes one too far and one too near.
+TEST(ScoreTuples, IsWhatAPersonWorksOut) {
+  AircraftConfig config;
+  config.frame_rate_hz = 10;
+  config.estimator.methods = {"baseline"};
+  const double focal_px = config.rig.FocalPx();
+  std::vector<StereoTuple> tuples;
+  for (const int flight : {0, 1}) {
+    for (int i = 0; i < 40; ++i) {
+      StereoTuple& tuple = tuples.emplace_back();
+      // Both boxes on the optical axes, half the disparity to each side: Z is the range.
+      const double disparity_px = focal_px * config.rig.baseline_m / (flight == 0 ? 11 : 18);
+      tuple.box.left = {639.5 + disparity_px / 2, 359.5, 60, 30};
+      tuple.box.right = {639.5 - disparity_px / 2, 359.5, 60, 30};
+      tuple.box.score = 1;
+      tuple.range_m = tuple.range_true_m = flight == 0 ? 10 : 20;
+      tuple.flight = flight;
+      tuple.utime = i * 100'000;
+    }
+  }
+  const std::vector<MethodScore> scores = ScoreTuples(tuples, config);
+  ASSERT_EQ(scores.size(), 1u);
+  EXPECT_EQ(scores[0].all.n, 80);
+  EXPECT_NEAR(*scores[0].all.abs_rel, 0.1, 1e-9);
+  EXPECT_NEAR(*scores[0].all.bias_m, -0.5, 1e-9);
+  EXPECT_EQ(scores[0].lt20.n, 40);
+  EXPECT_TRUE(scores[0].all.ci95.contains("abs_rel"));
 }
 
 }  // namespace
