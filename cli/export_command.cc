@@ -50,6 +50,7 @@ std::string CommandOf(const Options& options) {
     command += fmt::format(" --seed {}", options.seed);
   }
   if (options.images.clean_twins) command += " --clean";
+  if (options.images.dense) command += " --dense";
   return command + fmt::format(" --jpeg-quality {}", options.images.jpeg_quality);
 }
 
@@ -103,6 +104,8 @@ void AddOptions(CLI::App* command, Options* options) {
       ->check(CLI::Range(1, 100));
   command->add_flag("--clean", options->images.clean_twins,
                     "also every image without noise and blur, in clean/");
+  command->add_flag("--dense", options->images.dense,
+                    "also depth, disparity and masks of every pair, in dense/");
   command->add_option("--threads", options->images.threads, "changes no bit")
       ->check(CLI::Range(1, 256));
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that windhover needs and that are missing; says which.
-# docs/dependencies.md gives the reason of each.
+# docs/dependencies.md gives the reason of each. Arguments are further packages.
 set -euo pipefail
 packages=(
   cmake g++ git ninja-build pkg-config
@@ -9,7 +9,7 @@ packages=(
   libeigen3-dev libopencv-dev libosmesa6-dev libassimp-dev
   libyaml-cpp-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libre2-dev libssl-dev
   libdnnl-dev libonnx-dev libprotobuf-dev libtorch-dev
-  iproute2
+  iproute2 "$@"
 )
 missing=()
 for package in "${packages[@]}"; do

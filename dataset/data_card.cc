@@ -165,6 +165,14 @@ std::string DataCard::Readme() const {
   if (plan_.images.clean_twins) {
     text += "\n`clean/` has each image without noise and blur, with the same labels.\n";
   }
+  if (plan_.images.dense) {
+    text +=
+        "\n`dense/` has a folder for each pair, of bodies without propellers in the middle of the "
+        "exposure: depth_left.png, depth_right.png (Z), disparity.png (of the left image), 16 bit, "
+        "value / 256 is m or px; mask_left.png, mask_right.png (position in the scenario plus 1); "
+        "0 "
+        "where no aircraft is.\n";
+  }
   return text + (thumbnails_.empty() ? "" : "\n![contact sheet](contact_sheet.png)\n");
 }
 

@@ -14,6 +14,7 @@
 #include "common/file/whole_file.h"
 #include "common/image/frame_encoding.h"
 #include "common/image/image_codecs.h"
+#include "dataset/dense_pngs.h"
 #include "render/frame_digest.h"
 #include "render/parallel_for.h"
 #include "render/stereo_renderer.h"
@@ -74,13 +75,15 @@ class Drawer {
     const std::map<Utime, annotation_t> noted = ReadNotes(notes_, about.name);
     const PosedFlight flight = source_.fly(task.flight);
     std::optional<StereoRenderer> renderer, twin;
+    std::optional<SceneGeometry> geometry;
+    if (options_.dense) geometry.emplace(flight.scenario, Rig(flight));
     RunLogWriter notes(FreeNote(about.name, task.begin));
     // Exposure that adapts needs the frames before one that is missing, too.
     std::vector<const PosedPair*> pending;
     for (int i = task.begin; i < task.end; ++i) {
       const PosedPair& pair = flight.pairs[static_cast<std::size_t>(i)];
       const PairId id{about.split, about.name, pair.tick, pair.world.utime, task.first_number + i};
-      const bool is_drawn = noted.count(id.utime) > 0 && AreThere(layout_.ImageFiles(id));
+      const bool is_drawn = noted.count(id.utime) > 0 && AreThere(id);
       if (source_.adapts || !is_drawn) pending.push_back(&pair);
       if (!is_drawn) {
         if (!renderer) renderer.emplace(flight.scenario, Rig(flight), renderer_threads);
@@ -91,6 +94,7 @@ class Drawer {
           if (before != &pair) RenderOnly(*before, &*renderer, &twin);
         }
         pending.clear();
+        if (geometry) WriteDense(flight, *geometry, pair, id);
         const annotation_t annotation = DrawPair(flight, pair, id, &*renderer, &twin);
         notes.Write(channel::Annotation(annotation.observer_id), id.utime, annotation);
         notes.Flush();
@@ -102,8 +106,23 @@ class Drawer {
  private:
   static std::vector<int> Rig(const PosedFlight& flight) { return {flight.observer}; }
 
-  bool AreThere(const StereoFiles& files) const {
-    return fs::exists(folder_ / files.left) && fs::exists(folder_ / files.right);
+  bool AreThere(const PairId& id) const {
+    const StereoFiles files = layout_.ImageFiles(id);
+    return fs::exists(folder_ / files.left) && fs::exists(folder_ / files.right) &&
+           (!options_.dense || fs::exists(DenseFolder(id)));
+  }
+
+  fs::path DenseFolder(const PairId& id) const { return folder_ / "dense" / StemOf(id); }
+
+  // Beside its place first, so that a folder that is there is whole.
+  void WriteDense(const PosedFlight& flight, const SceneGeometry& geometry, const PosedPair& pair,
+                  const PairId& id) const {
+    const fs::path place = DenseFolder(id), aside = place.string() + ".part";
+    fs::remove_all(aside);
+    fs::create_directories(aside);
+    WriteDensePngs(MakeDenseLabels(flight.scenario, geometry, 0, pair.world), aside);
+    fs::remove_all(place);
+    fs::rename(aside, place);
   }
 
   static void RenderOnly(const PosedPair& pair, StereoRenderer* renderer,

@@ -10,6 +10,7 @@ namespace windhover {
 struct ImageOptions {
   int jpeg_quality = 95;
   bool clean_twins = false;  ///< Also each pair without noise and blur, under clean/.
+  bool dense = false;        ///< Also depth, disparity and masks, in a folder of dense/ a pair.
   int threads = 1;           ///< Changes no bit.
 };
 

@@ -25,6 +25,7 @@ std::string TextOf(const ExportPlan& plan) {
                                  {"seed", plan.source.seed},
                                  {"jpeg_quality", plan.images.jpeg_quality},
                                  {"clean_twins", plan.images.clean_twins},
+                                 {"dense", plan.images.dense},
                                  {"scenario", plan.source.resolved_yaml}};
   for (const FlightSource::Flight& flight : plan.source.flights) {
     json["flights"].push_back({NameOf(flight.split), flight.name, flight.n_pairs});
@@ -43,7 +44,7 @@ void RemoveParts(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.path().extension() == ".part") parts.push_back(entry.path());
   }
-  for (const fs::path& part : parts) fs::remove(part);
+  for (const fs::path& part : parts) fs::remove_all(part);
 }
 
 // @return the folder of what is unfinished.
@@ -110,6 +111,10 @@ void LabelFlight(const ExportPlan& plan, std::size_t number, int first_pair,
 bool Export(const ExportPlan& plan, const std::function<bool(int done, int total)>& on_progress) {
   const std::unique_ptr<DatasetLayout> layout = MakeDatasetLayout(plan.format, plan.folder);
   layout->Check(ScenarioFromYaml(plan.source.resolved_yaml, plan.scenario));
+  if (!layout->has_images() && (plan.images.clean_twins || plan.images.dense)) {
+    throw ConfigError(fmt::format("--clean and --dense go with formats that have images (found {})",
+                                  NameOf(plan.format)));
+  }
   const fs::path unfinished = Begin(plan);
   if (layout->has_images() &&
       !DrawImages(plan.source, *layout, plan.images, plan.folder, unfinished, on_progress)) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -17,8 +18,8 @@ const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/"
 
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
   for (const char* command :
-       {"run", "bench", "export", "mesh-info", "budget", "check", "keys", "replay", "reproduce",
-        "score", "report", "snapshot", "train", "doctor", "spy"}) {
+       {"run", "bench", "export", "import", "mesh-info", "budget", "check", "keys", "replay",
+        "reproduce", "score", "report", "snapshot", "train", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
@@ -41,6 +42,14 @@ TEST(Windhover, WrongUsageIsExitCode2) {
            {"bench", "render", "--rounds", "0"},
            {"budget", "no/such.yaml"},
            {"budget", kScenarios + "uavde_12mm.yaml", "--distances", "-1"},
+           {"export", kScenarios + "presets/uavde_12mm.yaml", "--format", "voc", "--out", "x"},
+           {"export", kScenarios + "presets/uavde_12mm.yaml", "--format", "tum", "--out",
+            "/dev/null"},
+           {"export", kScenarios + "presets/uavde_12mm.yaml", "--format", "tum", "--dense", "--out",
+            "x"},
+           {"import", "--format", "uavde", "no/such", "--out", "x.csv"},
+           {"import", "--format", "uavde", kScenarios, "--out", "x.csv"},
+           {"score", kScenarios + "uavde_12mm.yaml", "--split", "test"},
            {"reproduce", "lens", "--out", "x"},
            {"train"},
            {"train", "pcm", "no/such.yaml", "--out", "x.json"},
@@ -182,6 +191,31 @@ TEST(WindhoverBench, FiguresOfARoundAgree) {
   EXPECT_NEAR(number("two_processes", "ratio"),
               number("two_processes", "pairs_per_s") / number("full", "pairs_per_s"), 1e-9);
   EXPECT_GT(number("start_up", "wall_s"), 0);
+}
+
+// A disk of 300 KB, which grows to 100 MB when it is full.
+TEST(WindhoverExport, AFullDiskIsSaidAndTheSameCommandGoesOn) {
+  const TemporaryFolder folder;
+  const std::string disk = folder.path().string();
+  const std::string mount = "mount -t tmpfs -o size=300k none " + disk;
+  if (Program({"unshare", "-m", "sh", "-c", mount}).Wait() != 0) {
+    GTEST_SKIP() << "cannot mount a disk of its own";
+  }
+  const auto command = [&](const std::string& out, const std::string& wanted) {
+    return fmt::format(
+        "rc=0; {} export {}presets/uavde_12mm.yaml --format yolo --frames 12 "
+        "--set 'rig.image=[320, 180]' --set rig.pixel_um=14.93 --out {} || rc=$?; test $rc = {}",
+        kWindhover, kScenarios, out, wanted);
+  };
+  const std::string script = "set -e\n" + command(disk + ".whole", "0") + "\n" + mount + "\n" +
+                             command(disk + "/set", "3") + "\ntest ! -e " + disk +
+                             "/set/dataset.json\n" + "mount -o remount,size=100m " + disk + "\n" +
+                             command(disk + "/set", "0") + "\ncmp " + disk + "/set/SHA256SUMS " +
+                             disk + ".whole/SHA256SUMS\n";
+  Program shell({"unshare", "-m", "sh", "-c", script});
+  EXPECT_EQ(shell.Wait(), 0) << script << shell.Err();
+  EXPECT_THAT(shell.Err(), HasSubstr("No space left on device"));
+  std::filesystem::remove_all(disk + ".whole");
 }
 
 }  // namespace

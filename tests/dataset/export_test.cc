@@ -8,6 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/config/enum_name.h"
+#include "common/image/image_codecs.h"
+#include "learn/uavde_file.h"
+#include "learn/uavde_folder.h"
 #include "render/stereo_renderer.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -101,6 +105,81 @@ TEST(Export, SameBytesOnAnyNumberOfThreadsAndAfterAnyStop) {
   EXPECT_EQ(TextOf(again / "SHA256SUMS"), sums);
   EXPECT_EQ(TextOf(again / "dataset.json"), TextOf(once / "dataset.json"));
   EXPECT_FALSE(fs::exists(again / ".export"));
+}
+
+// What is exported can be imported: from the texts as from the .npy.
+TEST(Export, ItsUavdeTextsAndNumbersAgree) {
+  const TemporaryFolder folder;
+  const fs::path set = folder.path() / "set";
+  ASSERT_TRUE(Export(PlanOf(set, DatasetFormat::kUavde, 24, 2), GoOn));
+  const TupleSplits numbers = ReadUavdeFolder(set / "data", 320, 180);
+  const TupleSplits texts =
+      ReadUavdeTexts({.folder = set, .image_width_px = 320, .image_height_px = 180});
+  for (const auto part : {&TupleSplits::train, &TupleSplits::val, &TupleSplits::test}) {
+    ASSERT_EQ((texts.*part).size(), (numbers.*part).size());
+    for (std::size_t i = 0; i < (texts.*part).size(); ++i) {
+      const StereoTuple &text = (texts.*part)[i], &number = (numbers.*part)[i];
+      // A float has 24 bits: 1e-5 px of 320.
+      EXPECT_NEAR(text.box.left.x_px, number.box.left.x_px, 4e-5);
+      EXPECT_NEAR(text.box.right.h_px, number.box.right.h_px, 4e-5);
+      EXPECT_NEAR(text.range_m, number.range_m, 1e-5);
+      // UWB between antennas is a little off the distance between rig and target.
+      EXPECT_NE(text.range_true_m, text.range_m);
+      EXPECT_NEAR(text.range_true_m, text.range_m, 1);
+    }
+  }
+}
+
+// Depth, disparity and masks lie beside the images, in KITTI's unit, 1/256.
+TEST(Export, DenseLabelsSayHowFarATargetIs) {
+  const TemporaryFolder folder;
+  ExportPlan plan = PlanOf(folder.path() / "set", DatasetFormat::kCoco, 12, 2);
+  plan.images.dense = true;
+  ASSERT_TRUE(Export(plan, GoOn));
+  const PosedFlight flight = plan.source.fly(0);
+  const PairId id{Split::kTrain, "train-00", flight.pairs[0].tick, 0, 0};
+  const auto read = [&](const char* name) {
+    return Codecs().imread((plan.folder / "dense" / StemOf(id) / name).string(), -1);
+  };
+  const cv::Mat depth = read("depth_left.png"), disparity = read("disparity.png"),
+                mask = read("mask_left.png");
+  ASSERT_EQ(depth.type(), CV_16UC1);
+  ASSERT_EQ(disparity.type(), CV_16UC1);
+  ASSERT_EQ(mask.type(), CV_8UC1);
+  const SceneGeometry geometry(flight.scenario, {flight.observer});
+  const target_annotation_t target = geometry.Annotate(flight.pairs[0].world, 0).targets[0];
+  int n = 0;
+  for (int y = 0; y < depth.rows; ++y) {
+    for (int x = 0; x < depth.cols; ++x) {
+      ASSERT_EQ(depth.at<std::uint16_t>(y, x) > 0, mask.at<std::uint8_t>(y, x) == 2);
+      if (mask.at<std::uint8_t>(y, x) == 0) continue;
+      ++n;
+      // No part of an M200 is farther than 0.6 m from its centre.
+      EXPECT_NEAR(depth.at<std::uint16_t>(y, x) / 256.0, target.depth_m, 0.6);
+      const double true_px = target.left.centre_px[0] - target.right.centre_px[0];
+      EXPECT_NEAR(disparity.at<std::uint16_t>(y, x) / 256.0 / true_px, 1,
+                  0.6 / target.depth_m + 0.02);
+    }
+  }
+  EXPECT_GT(n, 20);
+}
+
+// A reader for each format, field by field after its description.
+TEST(Export, ReadersOfEachFormatTakeIt) {
+  const std::string python = "/usr/bin/python3";
+  if (Program({python, "-c", "import numpy, pandas, yaml"}).Wait() != 0) {
+    GTEST_SKIP() << "python3-numpy, python3-pandas or python3-yaml is not installed";
+  }
+  const std::string reader = std::string(WINDHOVER_SOURCE_DIR) + "/tests/dataset/read_formats.py";
+  for (const std::string& name : NamesOf<DatasetFormat>()) {
+    SCOPED_TRACE(name);
+    const TemporaryFolder folder;
+    const ExportPlan plan = PlanOf(folder.path() / "set", *ValueNamed<DatasetFormat>(name), 24, 2);
+    ASSERT_TRUE(Export(plan, GoOn));
+    Program read({python, reader, name, plan.folder.string()});
+    EXPECT_EQ(read.Wait(), 0) << read.Err();
+    EXPECT_GE(std::atoi(read.Out().c_str()), 20);
+  }
 }
 
 TEST(Export, AnotherSeedIsAnotherDataSet) {
