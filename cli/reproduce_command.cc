@@ -11,6 +11,8 @@
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/reproduce_learned.h"
+#include "cli/reproduce_targets.h"
+#include "cli/tool.h"
 #include "common/config/fields.h"
 #include "common/file/whole_file.h"
 
@@ -24,7 +26,7 @@ constexpr const char *kResources = "resources", *kPretraining = "pretraining";
 
 struct Options {
   std::vector<std::string> tables;
-  std::string out;
+  std::string out, detector = std::string(WINDHOVER_SCENARIOS_DIR) + "/../models/yolox_small.json";
   int n_seeds = 0, n_training_seeds = 0;
   bool quick = false, full = false;
 };
@@ -45,8 +47,21 @@ std::vector<std::string> Chosen(const std::vector<std::string>& names,
   return names;
 }
 
-Json Made(const std::string& name, const std::vector<ReproducedTable>& tables, Effort effort,
-          const ReproduceOptions& options) {
+void TryUnseenTargets(const Options& given, const ReproducedTable& table, Effort effort,
+                      const ReproduceOptions& options, Json* made) {
+  UnseenTargetsPlan plan = UnseenTargetsOf(effort, table, options);
+  plan.detector = given.detector;
+  plan.folder = fs::path(given.out) / "cards";
+  plan.train = [](const std::vector<std::string>& arguments) {
+    std::vector<std::string> words = {OwnProgram("windhover-train-detector").string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return RunTool(words);
+  };
+  AddUnseenTargets(plan, options, made);
+}
+
+Json Made(const std::string& name, const std::vector<ReproducedTable>& tables, const Options& given,
+          Effort effort, const ReproduceOptions& options) {
   if (name == kResources) return ReproduceResources(options);
   if (name == kPretraining) {
     return ReproducePretraining(PretrainingOf(effort, options.scenarios), options);
@@ -56,6 +71,7 @@ Json Made(const std::string& name, const std::vector<ReproducedTable>& tables, E
   Json made = Reproduce(*table, options);
   // With a shorter training its verdicts would be about that.
   if (name == "audits") AddLearnedAudits(StableRecipe(), options, &made);
+  if (name == "targets") TryUnseenTargets(given, *table, effort, options, &made);
   return made;
 }
 
@@ -86,7 +102,7 @@ int ReproduceAll(const Options& given) {
     Progress progress(isatty(STDERR_FILENO) != 0);
     options.on_step = [&](int done, int total) { progress.Update(done, total); };
     ChooseSeeds(given, name, &options);
-    made.push_back(Made(name, tables, effort, options));
+    made.push_back(Made(name, tables, given, effort, options));
     ReplaceFile(out / (name + ".json"), made.back().dump(2) + "\n");
     std::cout << '\n' << ReproducedText(made.back()) << std::flush;
   }
@@ -109,6 +125,11 @@ void AddReproduceCommand(CLI::App& app, CommandAction* chosen) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--training-seeds", options->n_training_seeds, "trainings on each data set")
       ->check(CLI::Range(1, 1000));
+  command
+      ->add_option("--detector", options->detector,
+                   "card that `targets` tries on aircraft it never learned from; "
+                   "models/yolox_small.json")
+      ->check(CLI::ExistingFile);
   CLI::Option* quick =
       command->add_flag("--quick", options->quick, "one data set and short trainings: for CI");
   command->add_flag("--full", options->full, "three data sets, two trainings on each; the default")

@@ -186,15 +186,22 @@ ReproducedTable Lenses(const Lessons& lessons) {
 ReproducedTable Targets(const Lessons& lessons) {
   struct Target {
     const char *name, *type;
-    std::array<double, 3> annotated, detected;  ///< Baseline, PCM, PCM + DIC.
+    std::array<double, 3> untuned, annotated, detected;  ///< Baseline, PCM, PCM + DIC.
   };
   constexpr Target kTargets[] = {
-      {"M200 black", "m200_black", {0.434, 0.140, 0.092}, {0.421, 0.164, 0.096}},
-      {"P600", "p600", {0.421, 0.128, 0.124}, {0.410, 0.183, 0.133}}};
-  ReproducedTable table{"targets",
-                        "learned on an orange M200, tried on other targets (table IX); black and "
-                        "orange differ only in images, which no row here has",
-                        {}};
+      {"M200 black",
+       "m200_black",
+       {2.551, 6.466, 1.697},
+       {0.434, 0.140, 0.092},
+       {0.421, 0.164, 0.096}},
+      {"P600", "p600", {2.399, 2.815, 2.718}, {0.421, 0.128, 0.124}, {0.410, 0.183, 0.133}}};
+  ReproducedTable table{
+      "targets",
+      "learned on an orange M200, tried on other targets (table IX). Boxes of M200 and "
+      "P600 are modelled; those of a hexacopter and a flying wing, which our "
+      "detector never learned from, are labelled ones and what the detector finds "
+      "in pictures: untuned, and fine-tuned on fewer than 50 of them",
+      {}};
   const auto add = [&](const std::string& name, const Overrides& overrides,
                        const std::array<Score, 3>& paper) {
     const std::array<ReproducedRow, 4> rows = {
@@ -217,8 +224,13 @@ ReproducedTable Targets(const Lessons& lessons) {
     const auto [d0, d1, d2] = target.detected;
     add(fmt::format("{}, annotated", target.name), annotated, {AbsRel(a0), AbsRel(a1), AbsRel(a2)});
     add(fmt::format("{}, detected", target.name), {pair}, {AbsRel(d0), AbsRel(d1), AbsRel(d2)});
-    table.rows.push_back(NotYet(fmt::format("{}, detector that never saw it", target.name), {}, {},
-                                "learned detectors"));
+    const char* methods[] = {"baseline", "+ PCM", "+ PCM + DIC"};
+    for (std::size_t i = 0; i < std::size(methods); ++i) {
+      ReproducedRow row = Row(fmt::format("{}, untuned: {}", target.name, methods[i]), "baseline",
+                              {}, {}, AbsRel(target.untuned[i]));
+      row.missing = "our detector learned from it: below are aircraft that it did not learn from";
+      table.rows.push_back(std::move(row));
+    }
   }
   return table;
 }

@@ -31,6 +31,10 @@ std::filesystem::path FindTool(const std::string& name) {
   return {};
 }
 
+std::filesystem::path OwnProgram(const std::string& name) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+}
+
 int RunTool(const std::vector<std::string>& words, bool silent) {
   std::vector<std::string> copy = words;
   const std::vector<char*> argv = Argv(copy);

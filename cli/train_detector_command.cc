@@ -12,8 +12,7 @@ void AddTrainDetectorCommand(CLI::App& train, CommandAction* chosen) {
   detector->set_help_flag("");
   detector->callback([=] {
     *chosen = [arguments = detector->remaining()] {
-      const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-      std::vector<std::string> words = {(folder / "windhover-train-detector").string()};
+      std::vector<std::string> words = {OwnProgram("windhover-train-detector").string()};
       words.insert(words.end(), arguments.begin(), arguments.end());
       BecomeTool(words);
       fmt::print(stderr,

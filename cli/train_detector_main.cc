@@ -14,6 +14,7 @@
 #include "common/file/sha256.h"
 #include "common/file/whole_file.h"
 #include "common/process/process.h"
+#include "learn/detector/labelled_folder.h"
 #include "learn/detector/picture_samples.h"
 #include "learn/detector/train_detector.h"
 #include "network/detector_card.h"
@@ -28,7 +29,8 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string scenario = std::string(WINDHOVER_SCENARIOS_DIR) + "/presets/calibrated.yaml";
-  std::string out, state, from, refiner;
+  std::string out, state, from, refiner, labelled;
+  double labelled_share = 0.5;
   std::vector<std::string> panoramas, photos;
   DetectorRecipe recipe;
   std::uint64_t data_seed = 1;
@@ -41,6 +43,11 @@ bool IsRefiner(const Options& options) { return options.recipe.network == "yolox
 
 std::string NameOf(const std::string& file) { return fs::path(file).filename().string(); }
 
+// "own" of "pictures/own/", too.
+std::string FolderNameOf(const fs::path& folder) {
+  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+}
+
 // Without what changes nothing: where files are, how many threads there were, and stops.
 std::string CommandOf(const Options& options) {
   const DetectorRecipe& recipe = options.recipe;
@@ -52,6 +59,10 @@ std::string CommandOf(const Options& options) {
   for (const std::string& file : options.panoramas) command += " --panorama " + NameOf(file);
   for (const std::string& file : options.photos) command += " --photo " + NameOf(file);
   if (!options.from.empty()) command += " --from " + NameOf(options.from);
+  if (!options.labelled.empty()) {
+    command += fmt::format(" --labelled {} --labelled-share {}", FolderNameOf(options.labelled),
+                           options.labelled_share);
+  }
   return command;
 }
 
@@ -70,14 +81,25 @@ PictureConfig PicturesOf(const Options& options) {
   return pictures;
 }
 
-std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options) {
-  ReplayConfig replay{.seed = options.data_seed, .batch = options.batch};
+std::unique_ptr<DetectorSampleSource> DrawnSource(const Options& options,
+                                                  const ReplayConfig& replay) {
   const Scenario base = LoadDatasetBase(options.scenario, {});
-  if (IsRefiner(options)) return MakeRefinementSource(base, PicturesOf(options), replay);
-  replay.size = {options.crop_px, options.crop_px};
-  replay.whole_every = options.whole_every;
-  replay.whole_batch = options.batch;  // Half of it at least 16, or libtorch takes a slower way.
-  return MakeDetectionSource(base, PicturesOf(options), replay);
+  return IsRefiner(options) ? MakeRefinementSource(base, PicturesOf(options), replay)
+                            : MakeDetectionSource(base, PicturesOf(options), replay);
+}
+
+std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options,
+                                               const std::vector<LabelledFile>& labelled) {
+  ReplayConfig replay{.seed = options.data_seed, .batch = options.batch};
+  if (!IsRefiner(options)) {
+    replay.size = {options.crop_px, options.crop_px};
+    replay.whole_every = options.whole_every;
+    replay.whole_batch = options.batch;  // Half of it at least 16, or libtorch takes a slower way.
+  }
+  if (labelled.empty()) return DrawnSource(options, replay);
+  auto own = MakeFolderSource(labelled, IsRefiner(options), replay);
+  if (options.labelled_share >= 1) return own;
+  return Mixed(std::move(own), DrawnSource(options, replay), options.labelled_share);
 }
 
 nlohmann::ordered_json DataOf(const Options& options) {
@@ -91,6 +113,11 @@ nlohmann::ordered_json DataOf(const Options& options) {
     for (const std::string& file : *files) data["backgrounds"].push_back(Sha256OfFile(file));
   }
   if (!options.from.empty()) data["from_sha256"] = Sha256OfFile(options.from);
+  if (!options.labelled.empty()) {
+    data["labelled"] = {{"folder", FolderNameOf(options.labelled)},
+                        {"sha256", Sha256OfFolder(options.labelled)},
+                        {"share", options.labelled_share}};
+  }
   return data;
 }
 
@@ -111,10 +138,15 @@ DetectorPlan PlanOf(const Options& options) {
   DetectorPlan plan;
   plan.recipe = options.recipe;
   plan.threads = options.threads;
-  plan.make_source = [options] { return SourceOf(options); };
   plan.state_file = options.state.empty() ? options.out + ".state" : options.state;
   plan.resume = options.resume;
   plan.data = DataOf(options);
+  std::vector<LabelledFile> labelled;
+  if (!options.labelled.empty()) {
+    labelled = ReadLabelledFolder(options.labelled);
+    plan.data["labelled"]["pictures"] = labelled.size();
+  }
+  plan.make_source = [options, labelled] { return SourceOf(options, labelled); };
   if (!options.from.empty()) {
     const LayerTable table = MakeYolox(options.recipe.network).table;
     plan.start = WeightsFor(table, ReadNetwork(options.from));
@@ -198,6 +230,13 @@ void AddRecipeOptions(CLI::App* app, Options* options) {
   app->add_option("--seed", recipe.seed, "of initial weights");
   app->add_option("--from", options->from, ".onnx file to go on from (fine-tuning)")
       ->check(CLI::ExistingFile);
+  CLI::Option* labelled =
+      app->add_option("--labelled", options->labelled,
+                      "folder of pictures to learn from, too, as `export --format yolo` writes it")
+          ->check(CLI::ExistingDirectory);
+  app->add_option("--labelled-share", options->labelled_share, "of each batch; 1: nothing else")
+      ->check(CLI::Range(0.01, 1.0))
+      ->needs(labelled);
   app->add_option("--threads", options->threads, "1 or 2 of learning; changes no bit")
       ->check(CLI::Range(1, 256));
 }

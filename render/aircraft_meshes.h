@@ -14,6 +14,12 @@ AircraftModel MakeM200(bool orange);
 /// propellers, motors at (±212.1, ±212.1) mm, 388 mm propellers (docs/sources.md); our own drawing.
 AircraftModel MakeP600();
 
+/// Aircraft that no detector of ours learns from, to try them by; our own drawings, about as large
+/// as an M200. A hexacopter of 550 mm from motor to motor across, with 254 mm propellers; and a
+/// tailless glider of foam, 860 mm of span.
+AircraftModel MakeHexacopter();
+AircraftModel MakeFlyingWing();
+
 /// What `aircraft` looks like; reads its mesh file if it is of type mesh.
 /// @throws ConfigError if the mesh cannot be used.
 AircraftModel MakeAircraftModel(const Aircraft& aircraft);

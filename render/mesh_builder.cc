@@ -204,6 +204,20 @@ void MoveToMiddle(float height_m, AircraftModel* model) {
   for (Propeller& propeller : model->propellers) propeller.hub_m += to_middle;
 }
 
+AircraftModel Centred(AircraftModel model) {
+  const Vector3f middle = BoundingBox(model.body).merged(BoundingBox(model.rotor_discs)).center();
+  for (Vector3f& p : model.body.positions) p -= middle;
+  for (Vector3f& p : model.rotor_discs.positions) p -= middle;
+  for (Propeller& propeller : model.propellers) propeller.hub_m -= middle;
+  return model;
+}
+
+void AppendPlaced(Mesh part, const Eigen::Matrix3f& R, const Vector3f& t_m, Mesh* mesh) {
+  for (Vector3f& p : part.positions) p = R * p + t_m;
+  for (Vector3f& n : part.normals) n = R * n;
+  Append(part, mesh);
+}
+
 Vector3f ColourFromSrgb(int red, int green, int blue) {
   return Vector3f(static_cast<float>(LinearFromSrgb(red / 255.0)),
                   static_cast<float>(LinearFromSrgb(green / 255.0)),

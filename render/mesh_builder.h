@@ -28,6 +28,12 @@ void AddPropeller(int rotor, const Eigen::Vector3f& hub_m, float radius_m,
 /// Shifts `model`, which stands on z = 0 and is `height_m` tall, so that its middle is at z = 0.
 void MoveToMiddle(float height_m, AircraftModel* model);
 
+/// Shifts `model` so that the middle of the box around it all is B's origin.
+AircraftModel Centred(AircraftModel model);
+
+/// Appends `part` turned by `R` and then moved by `t_m`.
+void AppendPlaced(Mesh part, const Eigen::Matrix3f& R, const Eigen::Vector3f& t_m, Mesh* mesh);
+
 /// Linear RGB of sRGB bytes.
 Eigen::Vector3f ColourFromSrgb(int red, int green, int blue);
 

@@ -28,24 +28,8 @@ Vector3f AnyColour(RandomStream* random) {
   return ColourFromSrgb(red, green, blue);
 }
 
-// `part` turned by `R` and then moved by `t_m`.
-void AppendPlaced(Mesh part, const Eigen::Matrix3f& R, const Vector3f& t_m, Mesh* mesh) {
-  for (Vector3f& p : part.positions) p = R * p + t_m;
-  for (Vector3f& n : part.normals) n = R * n;
-  Append(part, mesh);
-}
-
 Eigen::Matrix3f Turn(const Vector3f& axis, double angle_rad) {
   return RotationFromVector(axis.cast<double>() * angle_rad).cast<float>();
-}
-
-// The middle of the box around it all becomes B's origin.
-AircraftModel Centred(AircraftModel model) {
-  const Vector3f middle = BoundingBox(model.body).merged(BoundingBox(model.rotor_discs)).center();
-  for (Vector3f& p : model.body.positions) p -= middle;
-  for (Vector3f& p : model.rotor_discs.positions) p -= middle;
-  for (Propeller& propeller : model.propellers) propeller.hub_m -= middle;
-  return model;
 }
 
 /// What a quadrotor is drawn from.

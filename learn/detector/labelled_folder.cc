@@ -155,8 +155,8 @@ class MixedSource final : public DetectorSampleSource {
 
   std::vector<DetectorSample> Batch(int step) override {
     std::vector<DetectorSample> batch = own_->Batch(step), others = other_->Batch(step);
-    const auto n = static_cast<std::size_t>(
-        std::lround(share_ * static_cast<double>(std::min(batch.size(), others.size()))));
+    const auto n = static_cast<std::size_t>(std::max(
+        1L, std::lround(share_ * static_cast<double>(std::min(batch.size(), others.size())))));
     std::move(others.begin() + static_cast<std::ptrdiff_t>(n),
               others.begin() + static_cast<std::ptrdiff_t>(std::min(batch.size(), others.size())),
               batch.begin() + static_cast<std::ptrdiff_t>(n));

@@ -34,8 +34,8 @@ std::vector<LabelledPicture> PicturesOf(const LabelledFile& labelled);
 std::unique_ptr<DetectorSampleSource> MakeFolderSource(const std::vector<LabelledFile>& files,
                                                        bool is_refinement, ReplayConfig replay);
 
-/// Batches of two sources joined: the share of `own` comes first, the rest is of `other`, so that
-/// what was learned before is not forgotten.
+/// Batches of two sources joined: the share of `own`, one picture at least, comes first, the rest
+/// is of `other`, so that what was learned before is not forgotten.
 std::unique_ptr<DetectorSampleSource> Mixed(std::unique_ptr<DetectorSampleSource> own,
                                             std::unique_ptr<DetectorSampleSource> other,
                                             double share);

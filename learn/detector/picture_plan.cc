@@ -12,6 +12,7 @@
 #include "common/geometry/rotation.h"
 #include "common/random/random_stream.h"
 #include "learn/detector/picture_scene.h"
+#include "render/aircraft_meshes.h"
 #include "render/random_meshes.h"
 #include "scenarios/dataset.h"
 
@@ -213,6 +214,14 @@ Aircraft Anybody(int id, TargetKind kind) {
   return aircraft;
 }
 
+// Of what is no scenario's aircraft.
+std::shared_ptr<const AircraftShape> GivenShapeOf(TargetKind kind, RandomStream* random) {
+  if (kind == TargetKind::kQuadrotor) return MakeShape(MakeRandomQuadrotor(random));
+  if (kind == TargetKind::kHexacopter) return MakeShape(MakeHexacopter());
+  if (kind == TargetKind::kFlyingWing) return MakeShape(MakeFlyingWing());
+  return nullptr;
+}
+
 Eigen::Matrix3d AttitudeOfRig(double heading_rad, RandomStream* random) {
   const double pitch_rad = RadFromDeg(random->Uniform(-18, 14));  // Positive: nose down.
   const double roll_rad = RadFromDeg(6 * random->Normal());
@@ -238,7 +247,7 @@ PicturePlan PlanPictures(const Scenario& base, const PictureConfig& config, int 
   plan.scenario = Surroundings(base, config, scene, &random);
   plan.kind = config.targets[DrawIndex(config.targets.size(), &random)];
   plan.scenario.aircraft = {Anybody(0, TargetKind::kP600), Anybody(1, plan.kind)};
-  if (plan.kind == TargetKind::kQuadrotor) plan.shapes[1] = MakeShape(MakeRandomQuadrotor(&random));
+  if (auto shape = GivenShapeOf(plan.kind, &random)) plan.shapes[1] = std::move(shape);
   std::vector<Distractor> distractors;
   const std::size_t n = DrawIndex(static_cast<std::size_t>(config.most_distractors) + 1, &random);
   for (std::size_t i = 0; i < n; ++i) {

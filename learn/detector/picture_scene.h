@@ -17,14 +17,17 @@ namespace windhover {
 
 class StereoRenderer;
 
-/// What a detector looks for: our aircraft, or a quadrotor unlike every other.
-enum class TargetKind { kM200Orange, kM200Black, kP600, kQuadrotor };
+/// What a detector looks for: our aircraft, or a quadrotor unlike every other. None learns from
+/// the last two, unless it is fine-tuned.
+enum class TargetKind { kM200Orange, kM200Black, kP600, kQuadrotor, kHexacopter, kFlyingWing };
 template <>
 inline constexpr EnumNames<TargetKind> kEnumNames<TargetKind>{
     {TargetKind::kM200Orange, "m200_orange"},
     {TargetKind::kM200Black, "m200_black"},
     {TargetKind::kP600, "p600"},
-    {TargetKind::kQuadrotor, "quadrotor"}};
+    {TargetKind::kQuadrotor, "quadrotor"},
+    {TargetKind::kHexacopter, "hexacopter"},
+    {TargetKind::kFlyingWing, "flying_wing"}};
 
 /// Which pictures of aircraft are drawn.
 struct PictureConfig {

@@ -5,6 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "cli/reproduce_learned.h"
+#include "cli/reproduce_targets.h"
+#include "common/file/sha256.h"
+#include "learn/detector/labelled_folder.h"
+#include "learn/detector/unseen_target.h"
+#include "network/detector_card.h"
+#include "network/network_onnx.h"
+#include "network/yolox.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
@@ -160,6 +167,120 @@ TEST(Reproduce, PretrainingIsComparedByTuplesOfTheNewRig) {
   EXPECT_THAT(page, HasSubstr("<svg"));
   EXPECT_THAT(page, HasSubstr("joint_mlp from scratch"));
   EXPECT_THAT(ReproducedText(table), HasSubstr("10 tuples"));
+}
+
+/// A network that never learned anything, and a card that asks it to be surer than it ever is.
+DetectorCard::Weights WriteUntrained(const std::string& name, const std::filesystem::path& file) {
+  const YoloxNetwork network = MakeYolox(name);
+  std::ofstream(file, std::ios::binary)
+      << NetworkOnnx(network.table, RandomWeights(network.table, 1), network.height, network.width);
+  return {file.filename().string(), Sha256OfFile(file)};
+}
+
+std::filesystem::path WriteUntrainedCard(const TemporaryFolder& folder) {
+  DetectorCard card;
+  card.network = "yolox_small";
+  card.detector = WriteUntrained("yolox_small", folder.path() / "small.onnx");
+  card.refiner = WriteUntrained("yolox_refine", folder.path() / "refine.onnx");
+  card.min_score = 0.99;
+  return folder.Write("small.json", DetectorCardText(card));
+}
+
+Scenario WithFewTuples(Scenario base) {
+  auto& splits = base.dataset.splits;
+  splits.train = splits.val = splits.test = {.flights = 1, .pairs = 60};
+  return base;
+}
+
+/// One target, two pairs to try it on and one to tune by.
+struct TinyUnseen {
+  explicit TinyUnseen(const std::filesystem::path& folder)
+      : cards(folder, WithFewTuples(BaseOf(table.rows[0], kScenarios)), 1) {
+    options = {.n_seeds = 1, .scenarios = kScenarios, .cards = &cards};
+    plan = UnseenTargetsOf(Effort::kQuick, table, options);
+    plan.folder = folder;
+    plan.lesson.recipe.epochs = 5;
+    plan.lesson.everything = false;
+    plan.targets = {TargetKind::kHexacopter};
+    plan.pairs = 2;
+    plan.tuning_pairs = 1;
+  }
+
+  Json Made() const {
+    Json json = {{"table", "targets"}, {"meaning", ""}, {"rows", Json::array()}};
+    AddUnseenTargets(plan, options, &json);
+    return json;
+  }
+
+  ReproducedTable table = TableNamed("targets");
+  CardShelf cards;
+  ReproduceOptions options;
+  UnseenTargetsPlan plan;
+};
+
+// The training program is played by one that writes what it was given.
+TEST(Reproduce, UnseenTargetsAreTriedBeforeAndAfterFineTuning) {
+  const TemporaryFolder folder, detector;
+  TinyUnseen unseen(folder.path());
+  unseen.plan.detector = WriteUntrainedCard(detector);
+  std::vector<std::string> trained;
+  unseen.plan.train = [&](const std::vector<std::string>& arguments) {
+    const auto after = [&](const std::string& name) {
+      return *(std::find(arguments.begin(), arguments.end(), name) + 1);
+    };
+    const auto files = ReadLabelledFolder(after("--labelled"));
+    EXPECT_EQ(files.size(), 2u);
+    const auto pair =
+        PictureScene(unseen.plan.base, TuningPicturesOf(TargetKind::kHexacopter, 1), 0).Draw(0);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      // Written as shares with seven digits.
+      EXPECT_NEAR(files.at(eye).boxes.at(0).x_px, pair.eyes[eye].box->x_px, 1e-3);
+      EXPECT_NEAR(files.at(eye).boxes.at(0).h_px, pair.eyes[eye].box->h_px, 1e-3);
+    }
+    trained.push_back(after("--network"));
+    DetectorCard card;
+    card.network = trained.back();
+    const auto out = std::filesystem::path(after("--out"));
+    card.detector =
+        WriteUntrained(card.network, std::filesystem::path(out).replace_extension(".onnx"));
+    std::ofstream(out) << DetectorCardText(card);
+    return 0;
+  };
+  const Json table = unseen.Made();
+  EXPECT_THAT(trained, testing::ElementsAre("yolox_refine", "yolox_small"));
+  ASSERT_EQ(table["rows"].size(), 9u);
+  const auto row = [&](std::size_t i) { return table["rows"][i]; };
+  EXPECT_EQ(row(0)["method"], "hexacopter, untuned: baseline");
+  EXPECT_EQ(row(8)["method"], "hexacopter, fine-tuned: + PCM + DIC");
+  for (const std::size_t found_nothing : {0, 2, 6, 8}) {
+    EXPECT_EQ(row(found_nothing)["test"]["recall"], 0);
+    EXPECT_FALSE(row(found_nothing)["test"].contains("abs_rel"));
+  }
+  // 73 px too much, of a parallax of 326 px at 4 m and 33 px at 40 m; give or take 6 px a rig.
+  EXPECT_GT(row(3)["test"]["abs_rel"].get<double>(), 61. / (326 + 61));
+  EXPECT_LT(row(3)["test"]["abs_rel"].get<double>(), 85. / (33 + 85));
+  EXPECT_EQ(row(3)["test"]["frames"], 2);
+  EXPECT_NE(row(4)["test"]["abs_rel"], row(3)["test"]["abs_rel"]);
+  const DetectorCard tuned = ReadDetectorCard(folder.path() / "hexacopter.json");
+  EXPECT_EQ(tuned.min_score, 0.99);
+  EXPECT_EQ(tuned.refiner->onnx, "hexacopter_refine.onnx");
+  EXPECT_THAT(ReproducedText(table), HasSubstr("test recall"));
+  EXPECT_THAT(ReproducedPage({table}), HasSubstr("test AP50"));
+}
+
+TEST(Reproduce, UnseenTargetsSayWhatIsMissing) {
+  const TemporaryFolder folder, detector;
+  TinyUnseen unseen(folder.path());
+  unseen.plan.detector = folder.path() / "none.json";
+  Json table = unseen.Made();
+  ASSERT_EQ(table["rows"].size(), 9u);
+  EXPECT_THAT(table["rows"][3]["missing"].get<std::string>(), HasSubstr("none.json"));
+  unseen.plan.detector = WriteUntrainedCard(detector);
+  unseen.plan.train = [](const std::vector<std::string>&) { return 127; };
+  table = unseen.Made();
+  ASSERT_EQ(table["rows"].size(), 9u);
+  EXPECT_FALSE(table["rows"][5].contains("missing"));
+  EXPECT_THAT(table["rows"][6]["missing"].get<std::string>(), HasSubstr("libtorch"));
 }
 
 TEST(Reproduce, AuditsSayWhatACorrectionLearned) {

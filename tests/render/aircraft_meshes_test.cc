@@ -83,6 +83,21 @@ TEST(P600, HasTheMeasuredDimensions) {
   EXPECT_LT(WholeBox(p600).center().norm(), kTolerance_m);
 }
 
+TEST(UnseenAircraft, HaveTheirDimensions) {
+  const Eigen::AlignedBox3f hexacopter = WholeBox(MakeHexacopter()),
+                            wing = WholeBox(MakeFlyingWing());
+  // Two of six arms lie along y; those beside x are 30 degrees off it.
+  EXPECT_NEAR(hexacopter.sizes().y(), 0.550f + 0.254f, kTolerance_m);
+  EXPECT_NEAR(hexacopter.sizes().x(), 0.550f * 0.8660f + 0.254f, kTolerance_m);
+  EXPECT_NEAR(wing.sizes().y(), 0.860f, kTolerance_m);
+  for (const AircraftModel& model : {MakeHexacopter(), MakeFlyingWing()}) {
+    EXPECT_LT(WholeBox(model).center().norm(), kTolerance_m);
+    EXPECT_EQ(CountOpenEdges(model.body), 0);
+    EXPECT_EQ(CountNormalsAgainstWinding(model.body), 0);
+    EXPECT_GT(SignedVolume_m3(model.body), 1e-3);
+  }
+}
+
 class OwnModel : public testing::TestWithParam<AircraftType> {
  protected:
   static Aircraft OfType(AircraftType type) {

@@ -400,6 +400,7 @@ TEST(MixedSource, JoinsItsParts) {
   ASSERT_EQ(batch.size(), 8u);
   // Varied colours stay dark or bright.
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(cv::mean(batch[i].rgb)[0] < 90, i < 2) << i;
+  EXPECT_LT(cv::mean(Mixed(of(0), of(250), 0.01)->Batch(1)[0].rgb)[0], 90);  // One at least.
 }
 
 }  // namespace
