@@ -109,7 +109,9 @@ class UnseenTrial {
         "--rate",     "2e-4",
         "--threads",  std::to_string(std::min(2, options_.threads))};
     arguments.insert(arguments.end(), plan_.tuning.begin(), plan_.tuning.end());
-    return plan_.train(arguments);
+    const int status = plan_.train(arguments);
+    fs::remove(out.string() + ".state");  // Nothing goes on from it.
+    return status;
   }
 
   /// Both networks of the card, which keeps all that is not of them. @return an exit status.

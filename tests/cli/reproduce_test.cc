@@ -244,6 +244,7 @@ TEST(Reproduce, UnseenTargetsAreTriedBeforeAndAfterFineTuning) {
     card.detector =
         WriteUntrained(card.network, std::filesystem::path(out).replace_extension(".onnx"));
     std::ofstream(out) << DetectorCardText(card);
+    std::ofstream(out.string() + ".state") << "for --resume";
     return 0;
   };
   const Json table = unseen.Made();
@@ -263,6 +264,7 @@ TEST(Reproduce, UnseenTargetsAreTriedBeforeAndAfterFineTuning) {
   EXPECT_NE(row(4)["test"]["abs_rel"], row(3)["test"]["abs_rel"]);
   const DetectorCard tuned = ReadDetectorCard(folder.path() / "hexacopter.json");
   EXPECT_EQ(tuned.min_score, 0.99);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "hexacopter.json.state"));
   EXPECT_EQ(tuned.refiner->onnx, "hexacopter_refine.onnx");
   EXPECT_THAT(ReproducedText(table), HasSubstr("test recall"));
   EXPECT_THAT(ReproducedPage({table}), HasSubstr("test AP50"));
