@@ -117,6 +117,7 @@ struct AircraftSelf {
   bool carries_rig = false;
   Controller controller = Controller::kHold;
   FollowConfig follow;
+  GoalConfig goal;  ///< Of controller swarm.
 };
 
 /// All that estimator/ and swarm/ may know of a scenario; the rest is ground truth.

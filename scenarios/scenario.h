@@ -94,7 +94,7 @@ inline constexpr EnumNames<AircraftType> kEnumNames<AircraftType>{
     {AircraftType::kMesh, "mesh"}};
 
 struct Aircraft {
-  AircraftSelf self;  ///< id, carries_rig, controller, follow.
+  AircraftSelf self;  ///< id, carries_rig, controller, follow, goal.
   AircraftType type = AircraftType::kM200Orange;
   MeshConfig mesh;
   std::array<double, 3> position_m = {0, 0, 0};
@@ -122,6 +122,7 @@ struct Aircraft {
     v.Section("trajectory", trajectory, "controller: trajectory");
     v.List("waypoints", waypoints, "controller: waypoints, in order of time");
     v.Section("follow", self.follow, "controller: follow");
+    v.Section("goal", self.goal, "controller: swarm");
   }
 };
 

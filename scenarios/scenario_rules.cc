@@ -2,23 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
-#include <optional>
 #include <set>
 #include <string>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "common/config/value_text.h"
 #include "rig/bar_modes.h"
+#include "scenarios/aircraft_rules.h"
+#include "scenarios/rule_findings.h"
 
 namespace windhover {
 namespace {
-
-// Closer than this two aircraft overlap, whatever they are.
-constexpr double kMinStartDistance_m = 0.3;
 
 // Methods that know nothing without `estimator.correction`.
 const std::set<std::string> kTrainedMethods = {"pcm", "pcm_dic", "pcm_dic_star", "joint_mlp",
@@ -43,9 +39,8 @@ class ValueLister {
 
 class RuleChecker {
  public:
-  RuleChecker(const Scenario& scenario, const ConfigNode& root, InputFiles files,
-              Findings& findings)
-      : scenario_(scenario), root_(root), files_(files), findings_(findings) {}
+  RuleChecker(const Scenario& scenario, RuleFindings& findings)
+      : scenario_(scenario), findings_(findings) {}
 
   void CheckAll() {
     CheckFiles();
@@ -61,42 +56,22 @@ class RuleChecker {
     CheckEstimator();
     CheckDetector();
     CheckExpectations();
-    if (scenario_.aircraft.empty()) MustBe("aircraft", "a list of at least one", "none");
-    for (std::size_t i = 0; i < scenario_.aircraft.size(); ++i) CheckAircraft(i);
   }
 
  private:
-  // `uses`: what else the rule looks at. Where that is wrong, or `path` itself, the rule would
-  // only repeat a mistake that is already reported.
   void MustBe(const std::string& path, const std::string& must, const std::string& found,
               const std::vector<std::string>& uses = {}) {
-    if (findings_.Mention(path)) return;
-    for (const std::string& used : uses) {
-      if (findings_.Mention(used)) return;
-    }
-    findings_.MustBe(NearestNode(root_, path).where, path, must, found);
-  }
-
-  void CheckFile(const std::string& path, const InputFile& file, bool is_needed,
-                 const std::string& reason, const std::string& reason_path) {
-    if (file.empty()) {
-      if (is_needed) MustBe(path, "the name of a file " + reason, "nothing", {reason_path});
-      return;
-    }
-    if (files_ == InputFiles::kNotNeeded) return;
-    std::error_code error;
-    const bool is_readable = std::filesystem::is_regular_file(file.absolute, error) &&
-                             access(file.absolute.c_str(), R_OK) == 0;
-    if (!is_readable) MustBe(path, "a file that can be read", fmt::format("'{}'", file.absolute));
+    findings_.MustBe(path, must, found, uses);
   }
 
   void CheckFiles() {
     const VibrationConfig& vibration = scenario_.vibration;
-    CheckFile("vibration.file", vibration.file, vibration.source == VibrationSource::kRecorded,
-              "for source recorded", "vibration.source");
+    findings_.CheckFile("vibration.file", vibration.file,
+                        vibration.source == VibrationSource::kRecorded, "for source recorded",
+                        "vibration.source");
     const EnvironmentConfig& environment = scenario_.environment;
-    CheckFile("environment.file", environment.file, IsImage(environment.type),
-              "for types panorama and photo", "environment.type");
+    findings_.CheckFile("environment.file", environment.file, IsImage(environment.type),
+                        "for types panorama and photo", "environment.type");
   }
 
   static bool IsImage(EnvironmentType type) {
@@ -268,81 +243,17 @@ class RuleChecker {
            fmt::format("'{}'", low), {path + "." + high_name});
   }
 
-  void CheckAircraft(std::size_t i) {
-    const Aircraft& aircraft = scenario_.aircraft[i];
-    const std::string path = fmt::format("aircraft.{}", i);
-    const Controller controller = aircraft.self.controller;
-    CheckFile(path + ".trajectory.file", aircraft.trajectory.file,
-              controller == Controller::kTrajectory, "for controller trajectory",
-              path + ".controller");
-    CheckFile(path + ".mesh.file", aircraft.mesh.file, aircraft.type == AircraftType::kMesh,
-              "for type mesh", path + ".type");
-    const bool flies_by_sight =
-        controller == Controller::kFollow || controller == Controller::kSwarm;
-    if (flies_by_sight && !aircraft.self.carries_rig) {
-      MustBe(path + ".carries_rig", "true for controller follow or swarm", "false",
-             {path + ".controller"});
-    }
-    if (controller == Controller::kFollow && scenario_.aircraft.size() < 2) {
-      MustBe(path + ".controller", "follow only where there is another aircraft", "one aircraft");
-    }
-    CheckWaypoints(path + ".waypoints", path + ".controller", aircraft);
-    for (std::size_t j = 0; j < i; ++j) CheckPair(i, j);
-  }
-
-  void CheckWaypoints(const std::string& path, const std::string& controller_path,
-                      const Aircraft& aircraft) {
-    const std::vector<Waypoint>& waypoints = aircraft.waypoints;
-    if (waypoints.empty() && aircraft.self.controller == Controller::kWaypoints) {
-      MustBe(path, "a list of at least one for controller waypoints", "none", {controller_path});
-    }
-    for (std::size_t i = 1; i < waypoints.size(); ++i) {
-      if (waypoints[i].time_s > waypoints[i - 1].time_s) continue;
-      MustBe(fmt::format("{}.{}.time_s", path, i),
-             fmt::format("later than the one before, {}", waypoints[i - 1].time_s),
-             fmt::format("'{}'", waypoints[i].time_s), {fmt::format("{}.{}.time_s", path, i - 1)});
-    }
-  }
-
-  // Where an aircraft starts, unless only its trajectory file knows.
-  static std::optional<std::array<double, 3>> StartOf(const Aircraft& aircraft) {
-    if (aircraft.self.controller == Controller::kTrajectory) return std::nullopt;
-    if (aircraft.self.controller != Controller::kWaypoints) return aircraft.position_m;
-    if (aircraft.waypoints.empty()) return std::nullopt;
-    return aircraft.waypoints.front().position_m;
-  }
-
-  void CheckPair(std::size_t i, std::size_t j) {
-    const Aircraft& aircraft = scenario_.aircraft[i];
-    const Aircraft& other = scenario_.aircraft[j];
-    const std::string path = fmt::format("aircraft.{}", i);
-    const std::string other_path = fmt::format("aircraft.{}", j);
-    if (aircraft.self.id == other.self.id) {
-      MustBe(path + ".id", "unlike that of every other aircraft",
-             fmt::format("'{}' again", other.self.id), {other_path + ".id"});
-    }
-    const auto a = StartOf(aircraft), b = StartOf(other);
-    if (!a || !b) return;
-    const double distance_m = std::hypot((*a)[0] - (*b)[0], (*a)[1] - (*b)[1], (*a)[2] - (*b)[2]);
-    if (distance_m >= kMinStartDistance_m) return;
-    MustBe(path + ".position_m",
-           fmt::format("at least {} m from aircraft {}", kMinStartDistance_m, other.self.id),
-           fmt::format("{:.3g} m", distance_m),
-           {path + ".controller", path + ".waypoints", other_path + ".position_m",
-            other_path + ".controller", other_path + ".waypoints"});
-  }
-
   const Scenario& scenario_;
-  const ConfigNode& root_;
-  const InputFiles files_;
-  Findings& findings_;
+  RuleFindings& findings_;
 };
 
 }  // namespace
 
 void CheckRules(const Scenario& scenario, const ConfigNode& root, InputFiles files,
                 Findings& findings) {
-  RuleChecker(scenario, root, files, findings).CheckAll();
+  RuleFindings found(root, files, findings);
+  RuleChecker(scenario, found).CheckAll();
+  CheckAircraftRules(scenario, found);
 }
 
 }  // namespace windhover

@@ -1,13 +1,9 @@
 #pragma once
 
-#include "common/config/config_node.h"
-#include "common/config/findings.h"
+#include "scenarios/rule_findings.h"
 #include "scenarios/scenario.h"
 
 namespace windhover {
-
-/// Whether the input files that a scenario names have to be there.
-enum class InputFiles { kMustExist, kNotNeeded };
 
 /// Adds to `findings` what is wrong between the fields of a scenario, each at its place in
 /// `root`, the tree it was read from. Call before its aircraft are sorted.

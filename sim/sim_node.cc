@@ -173,11 +173,17 @@ void SimNode::ApplyCommands(const tick_t& tick) {
     if (!world_.IsCommanded(i)) continue;
     const auto name = [&] { return channel::VelocityCommand(scenario_.aircraft[i].self.id); };
     const auto found = commands_.find(i);
-    if (found == commands_.end() || found->second.utime != tick.utime) {
+    if (found == commands_.end()) {
       throw RunInvalid(SwarmProcessOf(i),
                        fmt::format("tick {}: no command on {}", tick.tick, name()));
     }
-    const velocity_command_t& command = found->second;
+    const velocity_command_t command = found->second;
+    commands_.erase(found);  // Whoever sends none next time has none.
+    if (command.utime != tick.utime) {
+      throw RunInvalid(SwarmProcessOf(i),
+                       fmt::format("tick {}: the command on {} is of utime {}, not {}", tick.tick,
+                                   name(), command.utime, tick.utime));
+    }
     try {
       world_.Command(i, {Eigen::Vector3d(command.v_WB_mps), command.yaw_rate_radps});
     } catch (const std::invalid_argument& e) {

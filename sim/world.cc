@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/geometry/rotation.h"
+#include "common/random/random_stream.h"
 #include "lcmtypes/uav_truth_t.hpp"
 
 namespace windhover {
@@ -15,6 +16,15 @@ namespace {
 constexpr double kLargestCommand_mps = 100, kLargestCommand_radps = 100;
 
 void CopyTo(const Eigen::Vector3d& v, double* out) { std::copy_n(v.data(), 3, out); }
+
+// An aircraft as the seed starts it: one of the swarm begins somewhere near its place.
+Aircraft Started(Aircraft aircraft, const Scenario& scenario) {
+  const double scatter_m = scenario.swarm.scatter_m;
+  if (aircraft.self.controller != Controller::kSwarm || scatter_m == 0) return aircraft;
+  RandomStream random(scenario.random_seed, fmt::format("uav{}/start", aircraft.self.id));
+  for (double& x_m : aircraft.position_m) x_m += random.Uniform(-scatter_m, scatter_m);
+  return aircraft;
+}
 
 }  // namespace
 
@@ -35,7 +45,8 @@ void SetState(const Kinematics& state, uav_truth_t* truth) {
 
 World::World(const Scenario& scenario) {
   const double end_s = (NumberOfTicks(scenario) - 1) / scenario.frame_rate_hz;
-  for (const Aircraft& aircraft : scenario.aircraft) {
+  for (const Aircraft& given : scenario.aircraft) {
+    const Aircraft aircraft = Started(given, scenario);
     const std::string name = fmt::format("uav{}", aircraft.self.id);
     bodies_.push_back(
         {aircraft.self.id, MakePath(aircraft, end_s), nullptr,

@@ -14,7 +14,7 @@ std::unique_ptr<FlightController> MakeFlightController(const AircraftConfig& con
     case Controller::kFollow:
       return std::make_unique<FollowController>(config, self.follow);
     case Controller::kSwarm:
-      return std::make_unique<FlockController>(config);
+      return std::make_unique<FlockController>(config, self.goal);
     case Controller::kHold:
     case Controller::kTrajectory:
     case Controller::kWaypoints:

@@ -34,6 +34,14 @@ double BrakingSpeed(double error_m, double gain_per_s, double deceleration_mps2)
   return std::copysign(speed_mps, error_m);
 }
 
+double StoppingDistance(double speed_mps, double gain_per_s, double deceleration_mps2) {
+  const double v_mps = std::abs(speed_mps), knee_mps = deceleration_mps2 / gain_per_s;
+  const double distance_m = v_mps < knee_mps
+                                ? v_mps / gain_per_s
+                                : (v_mps * v_mps / deceleration_mps2 + knee_mps / gain_per_s) / 2;
+  return std::copysign(distance_m, speed_mps);
+}
+
 Vector3d VasarhelyiVelocity(const VasarhelyiConfig& config, std::span<const Neighbour> neighbours,
                             const Vector3d& v_mps, const Vector3d& migration_mps) {
   Vector3d velocity = migration_mps;

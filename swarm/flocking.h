@@ -12,6 +12,8 @@ namespace windhover {
 struct Neighbour {
   Eigen::Vector3d p_m;
   Eigen::Vector3d v_mps;
+  double sigma_m = 0;   ///< One standard deviation of |p_m|.
+  double unseen_s = 0;  ///< Since the last sighting.
 };
 
 /// Velocity by C. Reynolds' rules as F. Schilling et al. weigh them (RA-L 2021, eq. 1 to 5):
@@ -33,5 +35,9 @@ Eigen::Vector3d VasarhelyiVelocity(const VasarhelyiConfig& config,
 /// lost again at `deceleration_mps2`. Has the sign of the error. Source: the braking curve D of
 /// Vásárhelyi et al., eq. 3.
 double BrakingSpeed(double error_m, double gain_per_s, double deceleration_mps2);
+
+/// The distance in which BrakingSpeed goes from `speed_mps` to 0, its inverse: v / p below the
+/// knee of a / p, (v² / a + a / p²) / 2 above. Has the sign of the speed.
+double StoppingDistance(double speed_mps, double gain_per_s, double deceleration_mps2);
 
 }  // namespace windhover

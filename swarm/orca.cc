@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 namespace windhover {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
-
-constexpr double kTolerance_mps = 1e-9;
 
 // A unit vector along `v`, or any if it is none.
 Vector3d Direction(const Vector3d& v, const Vector3d& otherwise) {
@@ -45,83 +41,6 @@ Change ChangeFor(const Vector3d& p_m, const Vector3d& v_mps, double apart_m, dou
   return {outward, -v_mps.dot(outward)};
 }
 
-// The point of the borders `active`, and of the sphere of radius `speed` if it is positive, nearest
-// to `to`.
-std::optional<Vector3d> NearestMeeting(const MatrixXd& normals, const VectorXd& offsets,
-                                       double speed, const Vector3d& to) {
-  Vector3d on = Vector3d::Zero(), free = to;
-  if (normals.rows() > 0) {
-    const auto solver = normals.completeOrthogonalDecomposition();
-    if (solver.rank() < normals.rows()) return std::nullopt;
-    on = solver.solve(offsets);
-    free = to - solver.solve(normals * to);
-  }
-  if (speed <= 0) return Vector3d(on + free);
-  const double rest = speed * speed - on.squaredNorm();
-  if (rest < 0 || normals.rows() == 3 || free.norm() < 1e-12) return std::nullopt;
-  return Vector3d(on + std::sqrt(rest) * free.normalized());
-}
-
-class Search {
- public:
-  Search(std::span<const SafeHalfSpace> safe, double max_speed_mps, const Vector3d& preferred_mps)
-      : safe_(safe), max_speed_mps_(max_speed_mps), preferred_mps_(preferred_mps) {}
-
-  /// The nearest velocity if all borders move outward by `relaxed_mps`; nothing if there is none.
-  std::optional<Vector3d> Nearest(double relaxed_mps) {
-    relaxed_mps_ = relaxed_mps;
-    best_.reset();
-    std::vector<std::size_t> active;
-    Visit(0, &active);
-    return best_;
-  }
-
- private:
-  // Every set of up to three borders.
-  void Visit(std::size_t from, std::vector<std::size_t>* active) {
-    TryBorders(*active);
-    if (active->size() == 3) return;
-    for (std::size_t i = from; i < safe_.size(); ++i) {
-      active->push_back(i);
-      Visit(i + 1, active);
-      active->pop_back();
-    }
-  }
-
-  void TryBorders(const std::vector<std::size_t>& active) {
-    MatrixXd normals(active.size(), 3);
-    VectorXd offsets(active.size());
-    for (std::size_t k = 0; k < active.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
-      normals.row(row) = safe_[active[k]].normal;
-      offsets[row] = safe_[active[k]].offset_mps - relaxed_mps_;
-    }
-    for (const double speed : {0.0, max_speed_mps_}) {
-      const auto candidate = NearestMeeting(normals, offsets, speed, preferred_mps_);
-      if (candidate && IsSafe(*candidate)) Take(*candidate);
-    }
-  }
-
-  bool IsSafe(const Vector3d& v_mps) const {
-    if (v_mps.norm() > max_speed_mps_ + kTolerance_mps) return false;
-    return std::all_of(safe_.begin(), safe_.end(), [&](const SafeHalfSpace& half) {
-      return half.normal.dot(v_mps) >= half.offset_mps - relaxed_mps_ - kTolerance_mps;
-    });
-  }
-
-  void Take(const Vector3d& v_mps) {
-    const bool is_nearer =
-        !best_ || (v_mps - preferred_mps_).squaredNorm() < (*best_ - preferred_mps_).squaredNorm();
-    if (is_nearer) best_ = v_mps;
-  }
-
-  std::span<const SafeHalfSpace> safe_;
-  double max_speed_mps_;
-  Vector3d preferred_mps_;
-  double relaxed_mps_ = 0;
-  std::optional<Vector3d> best_;
-};
-
 }  // namespace
 
 SafeHalfSpace SafeVelocities(const OrcaConfig& config, const Neighbour& neighbour,
@@ -132,25 +51,20 @@ SafeHalfSpace SafeVelocities(const OrcaConfig& config, const Neighbour& neighbou
   return {change.along, change.along.dot(v_mps) + change.size_mps / 2};
 }
 
-Vector3d NearestSafeVelocity(std::span<const SafeHalfSpace> safe, double max_speed_mps,
-                             const Vector3d& preferred_mps) {
-  Search search(safe, max_speed_mps, preferred_mps);
-  if (const auto nearest = search.Nearest(0)) return *nearest;
-  // Standing still breaks no half-space by more than its offset.
-  double none = 0, some = kTolerance_mps;
-  for (const SafeHalfSpace& half : safe) some = std::max(some, half.offset_mps);
-  for (int i = 0; i < 40; ++i) {
-    const double middle = (none + some) / 2;
-    (search.Nearest(middle) ? some : none) = middle;
-  }
-  return search.Nearest(some).value_or(Vector3d::Zero());
+std::vector<Neighbour> Nearest(std::span<const Neighbour> neighbours, int n) {
+  std::vector<Neighbour> nearest(neighbours.begin(), neighbours.end());
+  std::stable_sort(nearest.begin(), nearest.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.p_m.squaredNorm() < b.p_m.squaredNorm();
+  });
+  nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(n)));
+  return nearest;
 }
 
 Vector3d OrcaVelocity(const OrcaConfig& config, std::span<const Neighbour> neighbours,
                       const Vector3d& v_mps, const Vector3d& preferred_mps, double max_speed_mps,
                       double step_s) {
   std::vector<SafeHalfSpace> safe;
-  for (const Neighbour& neighbour : neighbours) {
+  for (const Neighbour& neighbour : Nearest(neighbours, config.max_neighbours)) {
     safe.push_back(SafeVelocities(config, neighbour, v_mps, step_s));
   }
   return NearestSafeVelocity(safe, max_speed_mps, preferred_mps);

@@ -115,6 +115,44 @@ TEST(Scenario, ReportsTenMistakesAtOnce) {
                                     "other aircraft (found '1' again)")));
 }
 
+TEST(Scenario, ChecksRulesOfTheSwarm) {
+  const std::string head = "description: x\naircraft:\n";
+  EXPECT_THAT(ErrorsOf(head + "  - {id: 0}\n  - {id: 1, position_m: [0.2, 0, 0]}\n"),
+              ElementsAre(HasSubstr("aircraft.1.position_m: must be at least 0.6 m from aircraft 0 "
+                                    "(found 0.2 m)")));
+  EXPECT_THAT(
+      ErrorsOf(head + "  - {controller: swarm, carries_rig: true}\n"
+                      "  - {id: 1, position_m: [2, 0, 0]}\nswarm: {scatter_m: 1}\n"),
+      ElementsAre(HasSubstr("aircraft.1.position_m: must be at least 0.6 m from aircraft 0, "
+                            "and 1.73 m for swarm.scatter_m (found 2 m)")));
+  EXPECT_THAT(ErrorsOf(head + "  - {goal: {position_m: [1, 0, 0], speed_mps: 1}}\n"),
+              ElementsAre(HasSubstr("s.yaml:3:12: aircraft.0.goal: must be left out unless its "
+                                    "controller is swarm")));
+  EXPECT_THAT(
+      ErrorsOf(head +
+               "  - {controller: swarm, carries_rig: true, goal: {position_m: [1, 0, 0]}}\n"),
+      ElementsAre(HasSubstr("aircraft.0.goal.speed_mps: must be above 0")));
+  EXPECT_THAT(ErrorsOf(kValid + "swarm: {olfati_saber: {a: 6}, guard: {sigmas: 11}}\n"),
+              ElementsAre(HasSubstr("s.yaml:5:23: swarm.olfati_saber.b: must be at least a, 6"),
+                          HasSubstr("s.yaml:5:47: swarm.guard.sigmas: must be a number between 0 "
+                                    "and 10 (found '11')")));
+}
+
+// Half a metre behind the middle it sees that; half a metre above it only when it looks down.
+TEST(Scenario, ARigMustNotLookIntoItsOwnAircraft) {
+  const auto errors = [](const char* mount) {
+    return ErrorsOf(kValid + "rig: {mount: " + mount + "}\n");
+  };
+  const auto is_refused =
+      ElementsAre(HasSubstr("rig.mount.position_m: must be such that no camera looks into its own "
+                            "aircraft (found '[-0.5, 0, 0]')"));
+  EXPECT_THAT(errors("{position_m: [-0.5, 0, 0]}"), is_refused);
+  EXPECT_THAT(errors("{position_m: [0, 0, 0.5], pitch_deg: -90}"), testing::SizeIs(1));
+  EXPECT_THAT(errors("{position_m: [0, 0, 0.5]}"), testing::IsEmpty());
+  EXPECT_THAT(errors("{position_m: [0.15, 0, 0], pitch_deg: -90}"), testing::IsEmpty());
+  EXPECT_THAT(errors("{position_m: [0, 0, 0], pitch_deg: 20}"), testing::IsEmpty());
+}
+
 TEST(Scenario, ChecksEachRule) {
   const std::string head = "description: x\naircraft:\n";
   EXPECT_THAT(ErrorsOf("description: x\n"),
@@ -123,9 +161,6 @@ TEST(Scenario, ChecksEachRule) {
               ElementsAre(HasSubstr("aircraft.0.carries_rig: must be true for controller follow")));
   EXPECT_THAT(ErrorsOf(head + "  - {controller: follow, carries_rig: true}\n"),
               ElementsAre(HasSubstr("follow only where there is another aircraft")));
-  EXPECT_THAT(ErrorsOf(head + "  - {id: 0}\n  - {id: 1, position_m: [0.2, 0, 0]}\n"),
-              ElementsAre(HasSubstr("aircraft.1.position_m: must be at least 0.3 m from aircraft 0 "
-                                    "(found 0.2 m)")));
   EXPECT_THAT(ErrorsOf(head + "  - {controller: waypoints}\n"),
               ElementsAre(HasSubstr("aircraft.0.waypoints: must be a list of at least one")));
   EXPECT_THAT(ErrorsOf(head + "  - {controller: waypoints, waypoints: [{time_s: 1}, {time_s: 1}]}"),

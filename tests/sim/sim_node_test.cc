@@ -46,7 +46,8 @@ class SimNodeTest : public testing::Test {
     std::vector<LogEvent> events;
   };
 
-  Run Fly(const Scenario& scenario, const velocity_command_t& command, bool mute = false) {
+  Run Fly(const Scenario& scenario, const velocity_command_t& command, bool mute = false,
+          Utime late = 0) {
     const auto file = folder_.path() / "run.lcm";
     Bus bus("memq://");
     std::vector<std::unique_ptr<TickClient>> peers;
@@ -54,10 +55,10 @@ class SimNodeTest : public testing::Test {
       peers.push_back(std::make_unique<TickClient>(bus, name, 9));
       TickClient* const peer = peers.back().get();
       const bool commands = name == "swarm-0" && !mute;
-      peer->OnTick([peer, commands, command](const tick_t& tick) {
+      peer->OnTick([peer, commands, command, late](const tick_t& tick) {
         if (!commands) return;
         velocity_command_t now = command;
-        now.utime = tick.utime;
+        now.utime = tick.utime - late;
         peer->Publish(channel::VelocityCommand(0), now);
       });
     }
@@ -148,6 +149,24 @@ TEST_F(SimNodeTest, AMissingCommandEndsTheRun) {
   EXPECT_FALSE(run.outcome.valid);
   EXPECT_EQ(run.outcome.culprit, "swarm-0");
   EXPECT_THAT(run.outcome.reason, testing::HasSubstr("no command on VELOCITY_COMMAND_0"));
+}
+
+// The command of the tick before: it would fly on what was seen a tenth of a second ago.
+TEST_F(SimNodeTest, ALateCommandEndsTheRun) {
+  const Run run = Fly(FollowerAndLeader(), Command(1), /*mute=*/false, /*late=*/100'000);
+  EXPECT_FALSE(run.outcome.valid);
+  EXPECT_EQ(run.outcome.culprit, "swarm-0");
+  EXPECT_EQ(run.outcome.reason,
+            "tick 0: the command on VELOCITY_COMMAND_0 is of utime -100000, not 0");
+  EXPECT_EQ(run.outcome.n_ticks, 0);
+}
+
+TEST_F(SimNodeTest, ACommandThatIsTooLargeEndsTheRun) {
+  const Run run = Fly(FollowerAndLeader(), Command(101));
+  EXPECT_FALSE(run.outcome.valid);
+  EXPECT_EQ(run.outcome.culprit, "swarm-0");
+  EXPECT_THAT(run.outcome.reason, testing::HasSubstr("at most 100 m/s"));
+  EXPECT_THAT(run.outcome.reason, testing::HasSubstr("[101, 0, 0]"));
 }
 
 TEST_F(SimNodeTest, AbsentPeersEndTheRun) {

@@ -36,6 +36,24 @@ TEST(World, StartsWhereTheScenarioSays) {
   EXPECT_EQ(truth.uavs[0].n_modal, 0);
 }
 
+// Each start in its own direction, by at most scatter_m, by the seed alone.
+TEST(World, ScattersTheSwarm) {
+  Scenario scenario = TwoAircraft();
+  scenario.swarm.scatter_m = 0.5;
+  EXPECT_EQ(World(scenario).State(0).p_WB_m, Vector3d(1, 2, 3)) << "it follows";
+  scenario.aircraft[0].self.controller = Controller::kSwarm;
+  scenario.aircraft.push_back(scenario.aircraft[0]);
+  scenario.aircraft[2].self.id = 7;
+  const Vector3d first_m = World(scenario).State(0).p_WB_m - Vector3d(1, 2, 3);
+  EXPECT_GT(first_m.norm(), 0);
+  EXPECT_LE(first_m.cwiseAbs().maxCoeff(), 0.5);
+  EXPECT_NE(World(scenario).State(2).p_WB_m, World(scenario).State(0).p_WB_m);
+  EXPECT_EQ(World(scenario).State(1).p_WB_m, World(TwoAircraft()).State(1).p_WB_m);
+  EXPECT_EQ(World(scenario).State(0).p_WB_m - Vector3d(1, 2, 3), first_m);
+  scenario.random_seed = 2;
+  EXPECT_NE(World(scenario).State(0).p_WB_m - Vector3d(1, 2, 3), first_m);
+}
+
 TEST(World, MovesThePrescribedAndTheCommanded) {
   World world(TwoAircraft());
   world.Command(0, {{1, 0, 0}, 0});
