@@ -164,6 +164,7 @@ TEST(OlfatiSaber, WorkedExample) {
   EXPECT_NEAR(SigmaNorm(std::sqrt(40.0), 0.1), (std::sqrt(5.0) - 1) / 0.1, 1e-12);
   const OlfatiSaberConfig config;
   EXPECT_NEAR(OlfatiSaberAction(config, SigmaNorm(7, 0.1)), 0, 1e-12);
+  EXPECT_NEAR(OlfatiSaberAction({.b = 9}, SigmaNorm(7, 0.1)), 0, 1e-12);
   EXPECT_EQ(OlfatiSaberAction(config, SigmaNorm(8.4, 0.1)), 0);  // From 1.2 · 7 m on.
   // Touching, far below h: −5 x / √(1 + x²), x = ‖7‖σ.
   const double x = (std::sqrt(1 + 4.9) - 1) / 0.1;
