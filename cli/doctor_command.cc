@@ -119,6 +119,9 @@ std::vector<Finding> Examine() {
   findings.push_back(CheckPackages("packages", true,
                                    {"liblcm1", "libopencv-imgcodecs406", "libosmesa6", "libassimp5",
                                     "libyaml-cpp0.7", "libfmt9"}));
+  findings.push_back(CheckPackages("trained detectors", false,
+                                   {"libdnnl2", "libonnx1", "libprotobuf32", "libopencv-dnn406"}));
+  findings.push_back(CheckPackages("training of detectors", false, {"libtorch1.13"}));
   findings.push_back(CheckRendering());
   findings.push_back(CheckLoopback());
   findings.push_back(CheckMemory());

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,7 +15,6 @@ namespace {
 
 constexpr double kMaxOverlap = 0.5;  // Of two targets in one image: more is one seen twice.
 constexpr std::size_t kMaxTargets = 8;
-// Of the second look. The first has decided that there is an aircraft: its own square shows one.
 constexpr double kMinScoreAgain = 0.05;
 constexpr double kMinOverlapAgain = 0.2;  // With the first box, or it is another target.
 
@@ -26,14 +27,35 @@ void CheckPair(const cv::Mat& left, const cv::Mat& right) {
       left.cols, left.rows, right.cols, right.rows));
 }
 
-/// Where the second look sees the target of `first`; `first` itself if it sees none.
-image_box_t Again(const image_box_t& first, const std::vector<ScoredBox>& seen) {
+/// What both looks say of one target: the box of the second, and the geometric mean of their
+/// scores; 0 if the second sees none.
+ScoredBox Confirmed(const ScoredBox& first, const std::vector<ScoredBox>& seen) {
   const ScoredBox* best = nullptr;
   for (const ScoredBox& box : seen) {
-    if (OverlapOf(box.box, first) < kMinOverlapAgain) continue;
+    if (OverlapOf(box.box, first.box) < kMinOverlapAgain) continue;
     if (best == nullptr || box.score > best->score) best = &box;
   }
-  return best == nullptr ? first : best->box;
+  if (best == nullptr) return {first.box, 0};
+  return {best->box, std::sqrt(first.score * best->score)};
+}
+
+/// Whether both images show one target twice: the second look may have moved to it from two
+/// first boxes.
+bool IsDouble(const stereo_box_t& box, const std::vector<stereo_box_t>& better) {
+  return std::any_of(better.begin(), better.end(), [&](const stereo_box_t& other) {
+    return OverlapOf(box.left, other.left) > kMaxOverlap &&
+           OverlapOf(box.right, other.right) > kMaxOverlap;
+  });
+}
+
+std::vector<stereo_box_t> BestFirst(std::vector<stereo_box_t> boxes) {
+  std::stable_sort(boxes.begin(), boxes.end(),
+                   [](const stereo_box_t& a, const stereo_box_t& b) { return a.score > b.score; });
+  std::vector<stereo_box_t> kept;
+  for (const stereo_box_t& box : boxes) {
+    if (!IsDouble(box, kept)) kept.push_back(box);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -52,7 +74,8 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
   CheckPair(left_rgb, right_rgb);
   const InputWindow window = LetterboxWindow(left_rgb.size(), detector_.input());
   const std::array<BoxNetwork::View, 2> views = {{{left_rgb, window}, {right_rgb, window}}};
-  auto found = detector_.Find(views, min_score);
+  // The second look can raise a score to no more than the root of the first.
+  auto found = detector_.Find(views, refiner_ ? min_score * min_score : min_score);
   for (auto& boxes : found) boxes = WithoutDoubles(std::move(boxes), kMaxOverlap, kMaxTargets);
   return found;
 }
@@ -64,8 +87,8 @@ void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
       {{left_rgb, CropWindow(left->box, refiner_margin_, refiner_->input())},
        {right_rgb, CropWindow(right->box, refiner_margin_, refiner_->input())}}};
   const auto seen = refiner_->Find(views, kMinScoreAgain);
-  left->box = Again(left->box, seen[0]);
-  right->box = Again(right->box, seen[1]);
+  *left = Confirmed(*left, seen[0]);
+  *right = Confirmed(*right, seen[1]);
 }
 
 std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) {
@@ -74,15 +97,14 @@ std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const c
   for (const auto& [i, k] : PairBoxes(found[0], found[1], left_rgb.size())) {
     ScoredBox left = found[0][i], right = found[1][k];
     LookAgain(left_rgb, right_rgb, &left, &right);
+    if (std::min(left.score, right.score) < min_score_) continue;
     stereo_box_t box{};
     box.left = left.box;
     box.right = right.box;
     box.score = std::min(left.score, right.score);
     boxes.push_back(box);
   }
-  std::stable_sort(boxes.begin(), boxes.end(),
-                   [](const stereo_box_t& a, const stereo_box_t& b) { return a.score > b.score; });
-  return boxes;
+  return BestFirst(std::move(boxes));
 }
 
 std::vector<std::vector<ScoredBox>> YoloxDetector::DetectEach(const cv::Mat& one_rgb,
@@ -95,6 +117,10 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::DetectEach(const cv::Mat& one
     ScoredBox* one = i < found[0].size() ? &found[0][i] : &none;
     ScoredBox* other = i < found[1].size() ? &found[1][i] : &none;
     LookAgain(one_rgb, other_rgb, one, other);
+  }
+  for (auto& boxes : found) {
+    std::erase_if(boxes, [&](const ScoredBox& box) { return box.score < min_score; });
+    boxes = WithoutDoubles(std::move(boxes), kMaxOverlap, kMaxTargets);
   }
   return found;
 }

@@ -15,8 +15,8 @@ namespace windhover {
 
 /// Finds aircraft by what was learned: a network sees both whole images at a quarter of their
 /// resolution. What it finds in both, one beside the other, a second network sees at full
-/// resolution, a square around each box, and says again where its box is; where it sees none, the
-/// first box stays. What one image alone shows is no detection.
+/// resolution, a square around each box, and says again whether there is one and where its box is.
+/// A score is the geometric mean of both networks'. What one image alone shows is no detection.
 class YoloxDetector final : public Detector {
  public:
   /// @param folder of the card, where its weights are.

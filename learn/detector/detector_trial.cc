@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,18 @@ namespace windhover {
 namespace {
 
 constexpr double kMinScore = 0.01;
-constexpr std::array<double, 6> kRanges_m = {4, 8, 15, 22, 30, 40};
+/// From, to.
+constexpr std::array<std::array<double, 2>, 10> kRanges_m = {{{4, 30},
+                                                              {4, 8},
+                                                              {8, 15},
+                                                              {15, 22},
+                                                              {22, 30},
+                                                              {30, 40},
+                                                              {40, 60},
+                                                              {60, 90},
+                                                              {90, 130},
+                                                              {130, 180}}};
+constexpr int kScoreSteps = 20;
 
 bool IsWithin(const image_box_t& found, const image_box_t& truth) {
   return std::abs(found.x_px - truth.x_px) <= truth.w_px / 2 &&
@@ -52,6 +64,10 @@ TrialScore::Bin BinOf(const std::vector<TriedPair>& pairs, double from_m, double
   bin.difference_px = Median(differences);
   if (!centres.empty()) bin.bias_px = sum / static_cast<double>(centres.size());
   return bin;
+}
+
+bool IsEmpty(const TriedPair& pair) {
+  return pair.result.eyes[0].labels.empty() && pair.result.eyes[1].labels.empty();
 }
 
 BoxErrors::OneImage ErrorOf(const image_box_t& found, const image_box_t& truth) {
@@ -112,16 +128,16 @@ std::vector<BoxErrorSample> ErrorSamples(const std::vector<TriedPair>& pairs) {
 TrialScore ScoreTrial(const std::vector<TriedPair>& pairs) {
   TrialScore score;
   score.bins.push_back(BinOf(pairs, 0, 1e9));
-  for (std::size_t i = 0; i + 1 < kRanges_m.size(); ++i) {
-    score.bins.push_back(BinOf(pairs, kRanges_m[i], kRanges_m[i + 1]));
+  for (const auto& [from_m, to_m] : kRanges_m) {
+    const TrialScore::Bin bin = BinOf(pairs, from_m, to_m);
+    if (bin.n > 0) score.bins.push_back(bin);
   }
   std::vector<ImageResult> images;
   for (const TriedPair& pair : pairs) {
     images.insert(images.end(), pair.result.eyes.begin(), pair.result.eyes.end());
     const int n = static_cast<int>(pair.detections.size());
-    const bool is_empty = pair.result.eyes[0].labels.empty() && pair.result.eyes[1].labels.empty();
-    score.n_empty += is_empty ? 1 : 0;
-    if (is_empty) {
+    if (IsEmpty(pair)) {
+      ++score.n_empty;
       score.n_false += n;
     } else if (HasClearTarget(pair)) {
       score.n_beside += n - (DetectionOf(pair) == nullptr ? 0 : 1);
@@ -132,14 +148,52 @@ TrialScore ScoreTrial(const std::vector<TriedPair>& pairs) {
   return score;
 }
 
+std::vector<ScoreChoice> ScoreChoices(const std::vector<TriedPair>& pairs) {
+  std::vector<ScoreChoice> choices;
+  for (int step = 1; step < kScoreSteps; ++step) {
+    ScoreChoice choice{.min_score = static_cast<double>(step) / kScoreSteps};
+    const auto counts = [&](const stereo_box_t& box) { return box.score >= choice.min_score; };
+    int n = 0, n_found = 0;
+    for (const TriedPair& pair : pairs) {
+      if (HasClearTarget(pair)) {
+        const stereo_box_t* found = DetectionOf(pair);
+        ++n;
+        n_found += found != nullptr && counts(*found) ? 1 : 0;
+      } else if (IsEmpty(pair)) {
+        choice.n_false +=
+            static_cast<int>(std::count_if(pair.detections.begin(), pair.detections.end(), counts));
+      }
+    }
+    choice.recall = n == 0 ? 0 : static_cast<double>(n_found) / n;
+    choices.push_back(choice);
+  }
+  return choices;
+}
+
+double QuietScore(const std::vector<ScoreChoice>& choices) {
+  for (std::size_t i = 0; i + 1 < choices.size(); ++i) {
+    if (choices[i].n_false == 0) return choices[i + 1].min_score;
+  }
+  throw std::invalid_argument("at every score something is found in empty pictures");
+}
+
+std::string ScoreChoicesText(const std::vector<ScoreChoice>& choices) {
+  std::string text = "min_score  recall  false\n";
+  for (const ScoreChoice& choice : choices) {
+    text +=
+        fmt::format("{:>9.2f} {:>7.3f} {:>6}\n", choice.min_score, choice.recall, choice.n_false);
+  }
+  return text;
+}
+
 std::string TrialText(const TrialScore& score) {
   std::string text = "range_m      n  recall  |x| px  |xL-xR| px  bias px\n";
   for (const TrialScore::Bin& bin : score.bins) {
     const std::string range =
         bin.from_m == 0 ? "all" : fmt::format("{:g}-{:g}", bin.from_m, bin.to_m);
     text += fmt::format("{:>7} {:>6} {:>7.3f} {:>7.2f} {:>11.2f} {:>8.2f}\n", range, bin.n,
-                        bin.n == 0 ? 0.0 : static_cast<double>(bin.n_found) / bin.n, bin.centre_px,
-                        bin.difference_px, bin.bias_px);
+                        static_cast<double>(bin.n_found) / bin.n, bin.centre_px, bin.difference_px,
+                        bin.bias_px);
   }
   if (score.ap50) text += fmt::format("AP50 {:.3f}, AP50:95 {:.3f}\n", *score.ap50, *score.ap50_95);
   return text + fmt::format("{} false in {} empty pairs, {} beside targets\n", score.n_false,
@@ -174,6 +228,16 @@ void PutIntoCard(const std::filesystem::path& card, const std::string& command,
   DetectorCard content = ReadDetectorCard(card);
   content.box_noise = BoxNoiseJson(fitted);
   content.provenance["box_noise"] = {{"command", command}, {"trial", TrialJson(score)}};
+  ReplaceFile(card, DetectorCardText(content));
+}
+
+void PutMinScoreIntoCard(const std::filesystem::path& card, const std::string& command,
+                         double min_score) {
+  DetectorCard content = ReadDetectorCard(card);
+  content.min_score = min_score;
+  content.box_noise = nullptr;
+  content.provenance.erase("box_noise");
+  content.provenance["min_score"] = command;
   ReplaceFile(card, DetectorCardText(content));
 }
 

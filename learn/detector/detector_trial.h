@@ -47,13 +47,29 @@ struct TrialScore {
     double bias_px = 0;        ///< Mean error of x.
   };
   std::optional<double> ap50, ap50_95;  ///< Of each image for itself.
-  std::vector<Bin> bins;                ///< The first is of all distances.
+  std::vector<Bin> bins;                ///< Of ranges with targets; the first has all.
   int n_empty = 0;                      ///< Pairs without a target in either image.
   int n_false = 0;                      ///< Detections in those.
   int n_beside = 0;                     ///< Detections in others that are not of their target.
 };
 
 TrialScore ScoreTrial(const std::vector<TriedPair>& pairs);
+
+/// What a detector would find if its least score were another.
+struct ScoreChoice {
+  double min_score = 0;
+  double recall = 0;  ///< Of clear targets.
+  int n_false = 0;    ///< In empty pairs.
+};
+
+/// For least scores of 0.05, 0.1, … 0.95, of pairs tried with the first or less.
+std::vector<ScoreChoice> ScoreChoices(const std::vector<TriedPair>& pairs);
+
+/// One step above the least score from which on nothing is found in empty pairs.
+/// @throws std::invalid_argument if there is always something.
+double QuietScore(const std::vector<ScoreChoice>& choices);
+
+std::string ScoreChoicesText(const std::vector<ScoreChoice>& choices);
 
 /// As a table for people.
 std::string TrialText(const TrialScore& score);
@@ -67,5 +83,10 @@ std::string BoxNoiseText(const GeometricConfig& fitted);
 /// provenance. @throws ConfigError as ReadDetectorCard().
 void PutIntoCard(const std::filesystem::path& card, const std::string& command,
                  const TrialScore& score, const GeometricConfig& fitted);
+
+/// Writes a detector's least score into its card, the command into its provenance; takes away what
+/// was measured with another. @throws ConfigError as ReadDetectorCard().
+void PutMinScoreIntoCard(const std::filesystem::path& card, const std::string& command,
+                         double min_score);
 
 }  // namespace windhover

@@ -29,8 +29,8 @@ ScoredBox Scored(double x, double y, double w, double h) {
 }
 
 /// A network that can be followed by hand: where the red of a cell of 8 px is 1, it sees a box of
-/// `cells` cells around its middle; where it is below 0.5, none (40 · red - 30 as a logit).
-NetworkWeights RedFinder(const LayerTable& table, double cells) {
+/// `cells` cells around its middle; where it is below 0.5, none (40 · red + bias as a logit).
+NetworkWeights RedFinder(const LayerTable& table, double cells, float bias = -30) {
   NetworkWeights weights;
   weights.layers.resize(table.layers.size());
   ConvWeights& conv = weights.layers[1];
@@ -38,7 +38,7 @@ NetworkWeights RedFinder(const LayerTable& table, double cells) {
   for (std::size_t i = 0; i < 64; ++i) conv.weight[4 * 3 * 64 + i] = 40.f / 64;
   const float size = static_cast<float>(std::log(cells));
   // The convolution's window begins 3 px before its cell.
-  conv.bias = {0.125f, 0.125f, size, size, -30.f, 20.f};
+  conv.bias = {0.125f, 0.125f, size, size, bias, 20.f};
   return weights;
 }
 
@@ -59,17 +59,18 @@ LayerTable RedFinderTable() {
 /// cells in a square of 16: 120 px.
 class YoloxDetectorTest : public ::testing::Test {
  protected:
-  DetectorCard Card(bool refines) const {
-    const auto weights = [&](const std::string& name, int height, int width, double cells) {
+  /// `bias_again`: of the second network.
+  DetectorCard Card(bool refines, float bias_again = -30) const {
+    const auto weights = [&](const std::string& name, int height, int width, float bias) {
       const LayerTable table = RedFinderTable();
       const auto file =
-          folder_.Write(name, NetworkOnnx(table, RedFinder(table, cells), height, width));
+          folder_.Write(name, NetworkOnnx(table, RedFinder(table, 8, bias), height, width));
       return DetectorCard::Weights{name, Sha256OfFile(file)};
     };
     DetectorCard card;
     card.network = "yolox_nano";
-    card.detector = weights("whole.onnx", 192, 352, 8);
-    if (refines) card.refiner = weights("again.onnx", 128, 128, 8);
+    card.detector = weights("whole.onnx", 192, 352, -30);
+    if (refines) card.refiner = weights("again.onnx", 128, 128, bias_again);
     card.refiner_margin = 1;
     return card;
   }
@@ -104,6 +105,19 @@ TEST_F(YoloxDetectorTest, FindsWhatBothImagesShow) {
     EXPECT_NEAR(boxes[0].left.w_px, refines ? 120 : 240, 1e-3);
     EXPECT_GT(boxes[0].score, 0.3);
   }
+}
+
+// Of white the first says 1; the second σ(40 + bias) = 0.5 and σ(-2) = 0.119, of which the means
+// are 0.707 and 0.345, then σ(-4) = 0.018, too little to count.
+TEST_F(YoloxDetectorTest, SecondLookConfirms) {
+  const cv::Mat left = Image(603, 363, 34), right = Image(513, 363, 34);
+  const auto score = [&](float bias) {
+    const auto boxes = YoloxDetector(Card(true, bias), folder_.path()).Detect(left, right);
+    return boxes.empty() ? 0 : boxes[0].score;
+  };
+  EXPECT_NEAR(score(-40), std::sqrt(0.5), 1e-4);
+  EXPECT_NEAR(score(-42), std::sqrt(1 / (1 + std::exp(2.0))), 1e-4);
+  EXPECT_EQ(score(-44), 0);
 }
 
 TEST_F(YoloxDetectorTest, OneImageAloneIsNoDetection) {

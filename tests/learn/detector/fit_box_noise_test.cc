@@ -111,6 +111,30 @@ TEST(FittedBoxNoise, IsReadFromTheCardOfADetector) {
   EXPECT_THAT(message(), HasSubstr("box_noise: must be there (found nothing)"));
 }
 
+TEST(FittedBoxNoise, IsWhatAScenarioFliesWith) {
+  const TemporaryFolder folder;
+  DetectorCard card;
+  card.network = "yolox_small";
+  card.detector = {"w.onnx", std::string(64, '0')};
+  card.box_noise = BoxNoiseJson(Known());
+  folder.Write("c.json", DetectorCardText(card));
+  const auto scenario = [&](const std::string& noise) {
+    return LoadScenario(
+        folder.Write("s.yaml",
+                     "description: x\n"
+                     "aircraft: [{id: 0, carries_rig: true}, {id: 1, position_m: [9, 0, 0]}]\n"
+                     "estimator: {detector_model: c.json}\n"
+                     "geometric: {noise: " +
+                         noise + "}\n"));
+  };
+  const Scenario fitted = scenario("fitted");
+  EXPECT_EQ(BoxNoiseJson(fitted.geometric), BoxNoiseJson(Known()));
+  EXPECT_NE(BoxNoiseJson(scenario("preset").geometric), BoxNoiseJson(Known()));
+  // What a run keeps of itself says all, without the card.
+  const Scenario again = ScenarioFromYaml(ResolvedYaml(fitted, PathStyle::kAsGiven), "resolved");
+  EXPECT_EQ(BoxNoiseJson(again.geometric), BoxNoiseJson(Known()));
+}
+
 image_box_t Box(double x, double w) {
   image_box_t box{};
   box.x_px = x;
@@ -120,8 +144,9 @@ image_box_t Box(double x, double w) {
   return box;
 }
 
-stereo_box_t Detection(double left, double right) {
+stereo_box_t Detection(double left, double right, double score = 0.9) {
   stereo_box_t box{};
+  box.score = score;
   box.left = Box(left, 40);
   box.right = Box(right, 40);
   return box;
@@ -144,8 +169,9 @@ TEST(DetectorTrial, WorkedExample) {
   EXPECT_EQ(score.bins[0].centre_px, 3) << "the upper of both";
   EXPECT_EQ(score.bins[0].difference_px, 2);
   EXPECT_EQ(score.bins[0].bias_px, 2);
-  EXPECT_EQ(score.bins[2].n, 2) << "8 to 15 m";
-  EXPECT_EQ(score.bins[1].n, 0);
+  EXPECT_EQ(score.bins[2].n, 2);
+  EXPECT_EQ(score.bins[2].from_m, 8);
+  EXPECT_EQ(score.bins.size(), 3u) << "all, 4 to 30 m, 8 to 15 m";
   EXPECT_EQ(score.n_empty, 1);
   EXPECT_EQ(score.n_false, 1);
   EXPECT_EQ(score.n_beside, 1);
@@ -156,6 +182,27 @@ TEST(DetectorTrial, WorkedExample) {
   EXPECT_EQ(samples[0].errors->right.x, 3);
   EXPECT_EQ(samples[0].sizes[0][0], 40);
   EXPECT_FALSE(samples[1].errors);
+}
+
+// One of two targets with 0.8; something in an empty pair with 0.32: nothing from 0.35 on.
+TEST(DetectorTrial, ChoosesAScoreThatIsQuiet) {
+  std::vector<TriedPair> pairs(3);
+  for (int i = 0; i < 2; ++i) {
+    auto& eyes = pairs[static_cast<std::size_t>(i)].result.eyes;
+    eyes[0].labels = {{.box = Box(500, 40), .range_m = 10}};
+    eyes[1].labels = {{.box = Box(400, 40), .range_m = 10}};
+  }
+  pairs[0].detections = {Detection(500, 400, 0.8)};
+  pairs[2].detections = {Detection(300, 200, 0.32), Detection(900, 850, 0.11)};
+  const auto choices = ScoreChoices(pairs);
+  ASSERT_EQ(choices.size(), 19u);
+  EXPECT_EQ(choices[0].n_false, 2) << "0.05";
+  EXPECT_EQ(choices[5].n_false, 1) << "0.30";
+  EXPECT_EQ(choices[15].recall, 0.5) << "0.80";
+  EXPECT_EQ(choices[16].recall, 0) << "0.85";
+  EXPECT_NEAR(QuietScore(choices), 0.4, 1e-12) << "a step above 0.35";
+  pairs[2].detections[0].score = 1;
+  EXPECT_THROW(QuietScore(ScoreChoices(pairs)), std::invalid_argument);
 }
 
 }  // namespace
