@@ -24,6 +24,7 @@ constexpr std::array<std::array<double, 2>, 10> kRanges_m = {{{4, 30},
                                                               {60, 90},
                                                               {90, 130},
                                                               {130, 180}}};
+constexpr std::array<double, 7> kWidths_px = {16, 32, 64, 128, 256, 512, 1280};
 constexpr int kScoreSteps = 20;
 
 bool IsWithin(const image_box_t& found, const image_box_t& truth) {
@@ -145,6 +146,11 @@ TrialScore ScoreTrial(const std::vector<TriedPair>& pairs) {
   }
   score.ap50 = AveragePrecision(images, 0.5);
   score.ap50_95 = MeanAveragePrecision(images);
+  for (std::size_t i = 0; i + 1 < kWidths_px.size(); ++i) {
+    const WidthRange widths{kWidths_px[i], kWidths_px[i + 1]};
+    const auto ap50 = AveragePrecision(images, 0.5, widths);
+    if (ap50) score.sizes.push_back({widths, ap50, MeanAveragePrecision(images, widths)});
+  }
   return score;
 }
 
@@ -195,6 +201,10 @@ std::string TrialText(const TrialScore& score) {
                         static_cast<double>(bin.n_found) / bin.n, bin.centre_px, bin.difference_px,
                         bin.bias_px);
   }
+  for (const auto& [widths, ap50, ap50_95] : score.sizes) {
+    text += fmt::format("{:g} to {:g} px wide: AP50 {:.3f}, AP50:95 {:.3f}\n", widths.least_px,
+                        widths.below_px, *ap50, ap50_95.value_or(0));
+  }
   if (score.ap50) text += fmt::format("AP50 {:.3f}, AP50:95 {:.3f}\n", *score.ap50, *score.ap50_95);
   return text + fmt::format("{} false in {} empty pairs, {} beside targets\n", score.n_false,
                             score.n_empty, score.n_beside);
@@ -211,8 +221,15 @@ nlohmann::ordered_json TrialJson(const TrialScore& score) {
     if (bin.from_m > 0) json["range_m"] = {bin.from_m, bin.to_m};
     bins.push_back(json);
   }
+  nlohmann::ordered_json sizes = nlohmann::ordered_json::array();
+  for (const auto& [widths, ap50, ap50_95] : score.sizes) {
+    sizes.push_back({{"width_px", {widths.least_px, widths.below_px}},
+                     {"ap50", *ap50},
+                     {"ap50_95", ap50_95.value_or(0)}});
+  }
   return {{"ap50", score.ap50.value_or(0)},
           {"ap50_95", score.ap50_95.value_or(0)},
+          {"sizes", sizes},
           {"bins", bins},
           {"empty_pairs", score.n_empty},
           {"false_in_empty", score.n_false},

@@ -46,7 +46,13 @@ struct TrialScore {
     double difference_px = 0;  ///< Median |error| of the difference of left and right x.
     double bias_px = 0;        ///< Mean error of x.
   };
+  /// Of aircraft of some widths, px of the image.
+  struct SizeBin {
+    WidthRange widths;
+    std::optional<double> ap50, ap50_95;
+  };
   std::optional<double> ap50, ap50_95;  ///< Of each image for itself.
+  std::vector<SizeBin> sizes;           ///< Those that there are.
   std::vector<Bin> bins;                ///< Of ranges with targets; the first has all.
   int n_empty = 0;                      ///< Pairs without a target in either image.
   int n_false = 0;                      ///< Detections in those.

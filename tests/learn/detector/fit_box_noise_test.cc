@@ -177,6 +177,8 @@ TEST(DetectorTrial, WorkedExample) {
   EXPECT_EQ(score.n_beside, 1);
   // Two of four aircraft, without a false one: precision is 1 up to a recall of 0.5, 51 of 101.
   EXPECT_NEAR(score.ap50.value(), 51.0 / 101, 1e-9);
+  ASSERT_EQ(score.sizes.size(), 1u) << "32 to 64 px";
+  EXPECT_EQ(score.sizes[0].ap50, score.ap50);
   const auto samples = ErrorSamples(pairs);
   ASSERT_EQ(samples.size(), 2u);
   EXPECT_EQ(samples[0].errors->right.x, 3);
