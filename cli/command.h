@@ -28,6 +28,7 @@ void AddBudgetCommand(CLI::App& app, CommandAction* chosen);
 void AddRunCommand(CLI::App& app, CommandAction* chosen);
 void AddExportCommand(CLI::App& app, CommandAction* chosen);
 void AddImportCommand(CLI::App& app, CommandAction* chosen);
+void AddCompareCommand(CLI::App& app, CommandAction* chosen);
 void AddCheckCommand(CLI::App& app, CommandAction* chosen);
 void AddKeysCommand(CLI::App& app, CommandAction* chosen);
 void AddMeshInfoCommand(CLI::App& app, CommandAction* chosen);

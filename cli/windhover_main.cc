@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
       "Example: windhover run scenarios/ideal_geometric.yaml");
   CommandAction chosen;
   for (const auto add : {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand,
-                         AddScoreCommand, AddBudgetCommand, AddReportCommand, AddReproduceCommand,
+                         AddScoreCommand, AddCompareCommand, AddBudgetCommand, AddReportCommand, AddReproduceCommand,
                          AddExportCommand, AddImportCommand, AddTrainCommand, AddBenchCommand,
                          AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
     add(app, &chosen);

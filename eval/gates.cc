@@ -5,64 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "eval/score_metric.h"
+
 namespace windhover {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::vector<std::string> SplitPath(const std::string& path) {
-  std::vector<std::string> keys(1);
-  for (const char c : path) {
-    if (c == '.') {
-      keys.emplace_back();
-    } else {
-      keys.back() += c;
-    }
-  }
-  return keys;
-}
-
-std::string KeysOf(const Json& object) {
-  std::string keys;
-  for (const auto& [key, value] : object.items()) keys += (keys.empty() ? "" : ", ") + key;
-  return keys;
-}
-
-/// Where a metric's path leads, or why it leads nowhere.
-struct FoundMetric {
-  const Json* value = nullptr;
-  const Json* interval = nullptr;
-  std::string problem;
-};
-
-FoundMetric FindMetric(const Json& score, const std::string& path) {
-  const std::vector<std::string> keys = SplitPath(path);
-  const Json* at = &score;
-  FoundMetric found;
-  for (const std::string& key : keys) {
-    if (!at->is_object() || !at->contains(key)) {
-      found.problem = fmt::format("there is no metric '{}': no '{}'", path, key);
-      if (at->is_object()) found.problem += fmt::format(" among {}", KeysOf(*at));
-      return found;
-    }
-    if (at->contains("n") && (*at)["n"] == 0) {
-      found.problem = "there is nothing to judge: n = 0";
-      return found;
-    }
-    const auto intervals = at->find("ci95");
-    found.interval = nullptr;
-    if (intervals != at->end() && intervals->contains(key)) found.interval = &(*intervals)[key];
-    at = &(*at)[key];
-  }
-  found.value = at;
-  return found;
-}
-
-std::optional<double> NumberIn(const Json& value) {
-  if (value.is_boolean()) return value.get<bool>() ? 1 : 0;
-  if (!value.is_number()) return std::nullopt;
-  return value.get<double>();
-}
 
 GateResult Judge(const Json& score, const std::string& metric, const std::string& kind,
                  double limit) {
@@ -85,8 +33,7 @@ GateResult Judge(const Json& score, const std::string& metric, const std::string
     gate.value = NumberIn(*found.value);
   }
   if (!gate.message.empty()) return gate;
-  if (!gate.value || !std::isfinite(*gate.value)) {
-    gate.value.reset();
+  if (!gate.value) {
     gate.message = found.value->is_structured() ? "the path names a group, not a number"
                                                 : "the metric has no value in this run";
     return gate;

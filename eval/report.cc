@@ -7,6 +7,7 @@
 #include "common/file/whole_file.h"
 #include "eval/evaluation.h"
 #include "eval/report_charts.h"
+#include "eval/report_flight.h"
 #include "eval/report_frames.h"
 #include "eval/report_style.h"
 #include "eval/text_file.h"
@@ -206,7 +207,8 @@ void WriteReport(const Evaluation& evaluation, const std::filesystem::path& dir)
   html += Section("Error by distance", ErrorByDistanceChart(evaluation));
   html += Section("Distance over time", RangeOverTimeCharts(evaluation));
   html += Section("Frames", FramesHtml(evaluation, dir / "frames"));
-  html += Section("Swarm", SwarmTable(evaluation.swarm));
+  html += Section("Swarm", SwarmTable(evaluation.swarm) + SeparationChart(evaluation.run));
+  html += Section("Flight", FlightViews(evaluation.run));
   html += Section("Scenario", ScenarioList(evaluation));
   html += Section("Timing (wall clock)", TimingHtml(evaluation.timing));
   html += Section("Provenance", Provenance(evaluation));

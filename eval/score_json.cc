@@ -59,7 +59,10 @@ Json SwarmJson(const SwarmMetrics& swarm) {
           {"near_misses", NumberOrNull(swarm.near_misses)},
           {"order", NumberOrNull(swarm.order)},
           {"connectivity", NumberOrNull(swarm.connectivity)},
-          {"algebraic_connectivity", NumberOrNull(swarm.algebraic_connectivity)}};
+          {"algebraic_connectivity", NumberOrNull(swarm.algebraic_connectivity)},
+          {"union_by_sight", NumberOrNull(swarm.union_by_sight)},
+          {"first_sight_to_near_miss_s", NumberOrNull(swarm.first_sight_to_near_miss_s)},
+          {"track_purity", NumberOrNull(swarm.track_purity)}};
 }
 
 Json GateJson(const GateResult& gate) {

@@ -1,7 +1,9 @@
 #include "eval/swarm_metrics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -91,12 +93,16 @@ class SightGraph {
 
   /// Share of all in the largest group that is linked, directly or over others.
   double LargestShare() const {
-    const Eigen::Index n = linked_.rows();
-    Eigen::MatrixXd reached = linked_ + Eigen::MatrixXd::Identity(n, n);
-    for (Eigen::Index length = 1; length < n; length *= 2) {
-      reached = (reached * reached).cwiseMin(1.0);
+    return Reached().rowwise().sum().maxCoeff() / static_cast<double>(linked_.rows());
+  }
+
+  int Groups() const {
+    const Eigen::MatrixXd reached = Reached();
+    int groups = 0;
+    for (Eigen::Index i = 0; i < reached.rows(); ++i) {
+      groups += reached.row(i).head(i).sum() == 0 ? 1 : 0;  // The first of its group.
     }
-    return reached.rowwise().sum().maxCoeff() / static_cast<double>(n);
+    return groups;
   }
 
   double AlgebraicConnectivity() const {
@@ -109,6 +115,16 @@ class SightGraph {
   }
 
  private:
+  /// 1 where a chain of links leads from one to the other, or to oneself.
+  Eigen::MatrixXd Reached() const {
+    const Eigen::Index n = linked_.rows();
+    Eigen::MatrixXd reached = linked_ + Eigen::MatrixXd::Identity(n, n);
+    for (Eigen::Index length = 1; length < n; length *= 2) {
+      reached = (reached * reached).cwiseMin(1.0);
+    }
+    return reached;
+  }
+
   Eigen::MatrixXd linked_;
 };
 
@@ -127,15 +143,96 @@ void MeasureSight(std::span<const world_truth_t> world, std::span<const Observer
     }
   }
   if (graphs.empty()) return;
-  double share = 0, algebraic = 0;
+  double share = 0, algebraic = 0, united = 0;
+  const auto others = static_cast<double>(index.size() - 1);
   for (const auto& [utime, graph] : graphs) {
     share += graph.LargestShare();
     algebraic += graph.AlgebraicConnectivity();
+    united += (others + 1 - graph.Groups()) / others;
   }
   const auto n = static_cast<double>(graphs.size());
   metrics->connectivity = share / n;
+  metrics->union_by_sight = united / n;
   metrics->algebraic_connectivity = algebraic / n;
 }
+
+/// When two that keep their velocities are `limit_m` apart; nothing: never.
+std::optional<double> TimeToNear_s(const uav_truth_t& a, const uav_truth_t& b, double limit_m) {
+  const Eigen::Vector3d p_m = Eigen::Vector3d(b.p_WB_m) - Eigen::Vector3d(a.p_WB_m);
+  const Eigen::Vector3d v_mps = Eigen::Vector3d(b.v_WB_mps) - Eigen::Vector3d(a.v_WB_mps);
+  // |p + v t|² = limit²: the smaller root.
+  const double beyond = p_m.squaredNorm() - limit_m * limit_m, closing = -p_m.dot(v_mps);
+  if (beyond <= 0) return 0;
+  const double root = closing * closing - v_mps.squaredNorm() * beyond;
+  if (closing <= 0 || root < 0) return std::nullopt;
+  return beyond / (closing + std::sqrt(root));
+}
+
+const uav_truth_t* Find(const world_truth_t& tick, int id) {
+  for (const uav_truth_t& uav : tick.uavs) {
+    if (uav.id == id) return &uav;
+  }
+  return nullptr;
+}
+
+/// Looks at detections with the truth beside them.
+class Sightings {
+ public:
+  Sightings(std::span<const world_truth_t> world, double near_miss_m) : near_miss_m_(near_miss_m) {
+    for (const world_truth_t& tick : world) ticks_[tick.utime] = &tick;
+  }
+
+  void See(const ObserverFrame& frame) {
+    if (!frame.detections) return;
+    const auto targets = Associate(*frame.detections, frame.truth);
+    for (const auto& target : targets) {
+      if (target) SeeTarget(frame, frame.truth.targets[*target].target_id);
+    }
+    if (!frame.ranges) return;
+    std::set<int> counted;  // A detection has an estimate of each method, of one track.
+    for (const range_estimate_t& estimate : frame.ranges->estimates) {
+      const auto index = static_cast<std::size_t>(estimate.detection_index);
+      if (index >= targets.size() || !counted.insert(estimate.detection_index).second) continue;
+      const int id = targets[index] ? frame.truth.targets[*targets[index]].target_id : kNothing;
+      ++tracks_[{frame.observer_id, estimate.track_id}][id];
+    }
+  }
+
+  std::optional<double> Purity() const {
+    int n = 0, n_of_most = 0;
+    for (const auto& [track, counts] : tracks_) {
+      int most = 0;
+      for (const auto& [target, count] : counts) {
+        n += count;
+        most = std::max(most, count);
+      }
+      n_of_most += most;
+    }
+    if (n == 0) return std::nullopt;
+    return static_cast<double>(n_of_most) / n;
+  }
+
+  std::optional<double> least_s() const { return least_s_; }
+
+ private:
+  static constexpr int kNothing = -1;
+
+  void SeeTarget(const ObserverFrame& frame, int target_id) {
+    const auto tick = ticks_.find(frame.utime);
+    if (tick == ticks_.end() || !seen_.insert({frame.observer_id, target_id}).second) return;
+    const uav_truth_t* observer = Find(*tick->second, frame.observer_id);
+    const uav_truth_t* target = Find(*tick->second, target_id);
+    if (observer == nullptr || target == nullptr) return;
+    const auto time_s = TimeToNear_s(*observer, *target, near_miss_m_);
+    if (time_s) least_s_ = std::min(least_s_.value_or(*time_s), *time_s);
+  }
+
+  double near_miss_m_;
+  std::map<Utime, const world_truth_t*> ticks_;
+  std::set<std::pair<int, int>> seen_;
+  std::map<std::pair<int, int>, std::map<int, int>> tracks_;  ///< Detections by target.
+  std::optional<double> least_s_;
+};
 
 }  // namespace
 
@@ -145,6 +242,10 @@ SwarmMetrics ComputeSwarmMetrics(std::span<const world_truth_t> world,
   MeasureSeparation(world, score, &metrics);
   metrics.order = Order(world);
   MeasureSight(world, frames, &metrics);
+  Sightings sightings(world, score.near_miss_m);
+  for (const ObserverFrame& frame : frames) sightings.See(frame);
+  metrics.first_sight_to_near_miss_s = sightings.least_s();
+  metrics.track_purity = sightings.Purity();
   return metrics;
 }
 

@@ -22,6 +22,14 @@ struct SwarmMetrics {
   /// Mean over frames of λ₂ / N of the Laplacian of those links, 0 where the aircraft fall into
   /// more than one group, 1 where all see all. Source: M. Fiedler, Czech. Math. J. 23, 1973.
   std::optional<double> algebraic_connectivity;
+  /// Mean over frames of (N - groups) / (N - 1): 1 when all are linked, 0 when no one is.
+  /// Source: E. Soria et al., "SwarmLab", IROS 2020.
+  std::optional<double> union_by_sight;
+  /// Least of all pairs of an aircraft and a target that it detects, at the first detection: time
+  /// until they are score.near_miss_m apart if both keep their velocity. Nothing: none would be.
+  std::optional<double> first_sight_to_near_miss_s;
+  /// Share of all tracked detections that are of the target which their track shows most often.
+  std::optional<double> track_purity;
 };
 
 SwarmMetrics ComputeSwarmMetrics(std::span<const world_truth_t> world,

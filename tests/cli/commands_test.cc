@@ -19,7 +19,7 @@ const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/"
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
   for (const char* command :
        {"run", "bench", "export", "import", "mesh-info", "budget", "check", "keys", "replay",
-        "reproduce", "score", "report", "snapshot", "train", "doctor", "spy"}) {
+        "reproduce", "score", "compare", "report", "snapshot", "train", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
@@ -55,6 +55,10 @@ TEST(Windhover, WrongUsageIsExitCode2) {
            {"train", "pcm", "no/such.yaml", "--out", "x.json"},
            {"train", "pcm", kScenarios + "presets/uavde_12mm.yaml", "--out", "x.json", "--width",
             "5"},
+           {"compare", kScenarios},
+           {"compare", kScenarios, kScenarios},
+           {"compare", "--baseline", kScenarios + "uavde_12mm.yaml", kScenarios, "--max-worse",
+            "n=1"},
            {"replay", "no/such/run"}}) {
     std::vector<std::string> words = {kWindhover};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -168,6 +172,40 @@ TEST(WindhoverRun, AGeometricRunPassesAndReplays) {
 }
 
 // What the figures mean, not how large they are: a test is no stopwatch.
+// Folders of two seeds each, without and with noise of boxes.
+TEST(WindhoverCompare, PutsRunsOfTheSameSeedsSideBySide) {
+  const TemporaryFolder folder;
+  const auto out = [&](const std::string& name) { return (folder.path() / name).string(); };
+  for (const char* seed : {"1", "2"}) {
+    for (const char* noise : {"0", "0.05"}) {
+      Program run({kWindhover, "run", kScenarios + "ideal_geometric.yaml", "--seed", seed, "--out",
+                   out(noise) + "/" + seed, "--set",
+                   std::string("geometric.sigma_relative=") + noise, "--set", "duration_s=3",
+                   "--no-report"});
+      EXPECT_NE(run.Wait(), 3) << run.Err();
+    }
+  }
+  Program pairs({kWindhover, "compare", out("0"), out("0.05"), "--json"});
+  ASSERT_EQ(pairs.Wait(), 0) << pairs.Err();
+  const auto both = nlohmann::json::parse(pairs.Out());
+  EXPECT_EQ(both["pairs"], 2);
+  EXPECT_EQ(both["different_keys"][0], "geometric.sigma_relative: 0 → 0.05");
+  Program single({kWindhover, "compare", out("0/1"), out("0.05/1")});
+  ASSERT_EQ(single.Wait(), 0) << single.Err();
+  EXPECT_THAT(single.Out(), HasSubstr("on the frames that both have"));
+  EXPECT_THAT(single.Out(), HasSubstr("methods.baseline.abs_rel"));
+
+  const auto held = [&](const std::string& run, const std::string& loss) {
+    Program program({kWindhover, "compare", "--baseline", out("0/1") + "/score.json", out(run),
+                     "--max-worse", "methods.baseline.abs_rel=" + loss});
+    return program.Wait();
+  };
+  EXPECT_EQ(held("0/1", "0"), 0);
+  EXPECT_EQ(held("0.05/1", "0"), 1);
+  EXPECT_EQ(held("0.05/1", "9"), 0);
+  EXPECT_EQ(held("0.05/1", "-1"), 2);
+}
+
 TEST(WindhoverBench, FiguresOfARoundAgree) {
   Program bench({kWindhover, "bench", "render", "--rounds", "1", "--json", "--isa", "avx2"});
   ASSERT_EQ(bench.Wait(), 0) << bench.Err();

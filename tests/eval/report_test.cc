@@ -7,6 +7,7 @@
 
 #include "common/random/random_stream.h"
 #include "eval/evaluation.h"
+#include "eval/report_flight.h"
 #include "eval/report_frames.h"
 #include "eval/svg_chart.h"
 #include "tests/eval/flight_fixture.h"
@@ -125,6 +126,48 @@ TEST(NiceTicks, AreRound) {
   EXPECT_THAT(NiceTicks(40), ElementsAre(0, 10, 20, 30, 40));
   EXPECT_THAT(NiceTicks(1), ElementsAre(0, 0.2, 0.4, ::testing::DoubleEq(0.6), 0.8, 1));
   EXPECT_THAT(NiceTicks(0), ElementsAre(0));
+}
+
+uav_truth_t At(int id, double east_m, double north_m) {
+  uav_truth_t uav{};
+  uav.id = id;
+  uav.p_WB_m[0] = east_m;
+  uav.p_WB_m[1] = north_m;
+  return uav;
+}
+
+/// Aircraft 3 flies 10 m east in 1 s, past aircraft 7, 2 m north of the middle of its way.
+RunRecord PassingBy() {
+  RunRecord run = Flight({});
+  for (int k = 0; k <= 10; ++k) {
+    world_truth_t tick{};
+    tick.utime = UtimeOfTick(k, 10);
+    tick.uavs = {At(3, k, 0), At(7, 5, 2)};
+    tick.n_uavs = 2;
+    run.world.push_back(tick);
+  }
+  return run;
+}
+
+TEST(SeparationChart, MarksTheLeastDistance) {
+  EXPECT_THAT(SeparationChart(PassingBy()), HasSubstr("2.00 m: 3 and 7 at 0.5 s"));
+  RunRecord alone = PassingBy();
+  for (world_truth_t& tick : alone.world) tick.uavs.pop_back();
+  EXPECT_EQ(SeparationChart(alone), "");
+  EXPECT_THAT(FlightViews(alone), Not(HasSubstr("closest")));
+}
+
+// 454 px for 11.2 m, 0.6 m of it left of where aircraft 3 begins: 40.54 px a metre. One pixel is
+// as long up as across: 7 is 2 m above the path of 3.
+TEST(FlightViews, WorkedExample) {
+  const std::string html = FlightViews(PassingBy());
+  EXPECT_THAT(html, HasSubstr("<path id=\"above-3\" class=\"line s0\" d=\"M76.3 "));
+  EXPECT_THAT(html, ContainsRegex("id=\"above-3\"[^/]*L481.7 [0-9.]+\"/>"));
+  EXPECT_THAT(html, HasSubstr("id=\"above-7\" class=\"line s1\" d=\"M279.0 "));
+  EXPECT_THAT(html, HasSubstr("dur=\"1s\""));
+  RunRecord broken = PassingBy();
+  broken.world[3].uavs[0].p_WB_m[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(FlightViews(broken), "");
 }
 
 }  // namespace

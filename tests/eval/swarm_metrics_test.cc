@@ -86,5 +86,54 @@ TEST(SwarmMetrics, AlgebraicConnectivityIsZeroWhereGroupsArePart) {
   EXPECT_NEAR(lambda2(4, {{0, 1}, {1, 2}, {2, 3}}), 2 - std::sqrt(2.0), 1e-12);
 }
 
+// 0-1-2 are one group of four, so two groups: (4 - 2) / 3; then four groups: 0.
+TEST(SwarmMetrics, UnionCountsGroups) {
+  const std::vector<world_truth_t> world{World({Uav(0, 0), Uav(1, 9), Uav(2, 18), Uav(3, 27)})};
+  ObserverFrame sees_one = SeenFrame(0, TargetAhead(1, 9), 9);
+  ObserverFrame sees_two = SeenFrame(0, TargetAhead(2, 9), 9);
+  sees_two.observer_id = 1;
+  ObserverFrame blind = SeenFrame(100'000, TargetAhead(1, 9), 9);
+  blind.truth.targets[0].left.in_front = 0;
+  EXPECT_DOUBLE_EQ(
+      *ComputeSwarmMetrics(world, std::vector{sees_one, sees_two, blind}, ScoreConfig{})
+           .union_by_sight,
+      1.0 / 3);
+}
+
+// 10 m apart, closing at 2 m/s: 1.5 m apart after 4.25 s. A target that passes 2 m beside never is.
+TEST(SwarmMetrics, TimeToNearMissIsOfTheFirstDetection) {
+  const auto at_first_sight = [](double north_m, double v_mps) {
+    world_truth_t before = World({Uav(0, 0), Uav(1, 99)});
+    world_truth_t tick = World({Uav(0, 0, 1), Uav(1, 10, 1 - v_mps)});
+    tick.uavs[1].p_WB_m[1] = north_m;
+    tick.utime = 100'000;
+    world_truth_t after = World({Uav(0, 0, 1), Uav(1, 5, -9)});
+    after.utime = 200'000;
+    const std::vector frames = {MissedFrame(0, TargetAhead(1, 99)),
+                                SeenFrame(100'000, TargetAhead(1, 10), 10),
+                                SeenFrame(200'000, TargetAhead(1, 5), 5)};
+    return ComputeSwarmMetrics(std::vector{before, tick, after}, frames, ScoreConfig{})
+        .first_sight_to_near_miss_s;
+  };
+  EXPECT_DOUBLE_EQ(*at_first_sight(0, 2), 4.25);
+  EXPECT_FALSE(at_first_sight(2, 2));
+  EXPECT_FALSE(at_first_sight(0, -2)) << "flies away";
+}
+
+// Track 5 shows target 1 three times, then target 2 once; track 6 what is no target.
+TEST(SwarmMetrics, TracksArePureWhenTheyShowOneTarget) {
+  std::vector<ObserverFrame> frames;
+  for (int k = 0; k < 4; ++k) {
+    frames.push_back(SeenFrame(k, TargetAhead(k < 3 ? 1 : 2, 10), 10));
+    frames.back().ranges->estimates[0].track_id = 5;
+    frames.back().ranges->estimates.push_back(frames.back().ranges->estimates[0]);
+  }
+  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics({}, frames, ScoreConfig{}).track_purity, 0.75);
+  frames.push_back(SeenFrame(9, TargetAhead(1, 10), 10));
+  frames.back().detections->boxes[0] = StereoBox(Box(100, 100, 9, 9), Box(50, 100, 9, 9));
+  frames.back().ranges->estimates[0].track_id = 6;
+  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics({}, frames, ScoreConfig{}).track_purity, 0.8);
+}
+
 }  // namespace
 }  // namespace windhover
