@@ -119,7 +119,7 @@ std::string GridSvg(const View& view) {
     for (double k = first; k * step_m <= view.high_m[axis]; ++k) {
       Vector3d at_m = view.low_m;
       at_m[axis] = k * step_m;
-      draw(at_m, k * step_m);
+      draw(at_m, k * step_m + 0.0);  // No -0.
     }
   };
   for_each_tick(view.across, [&](const Vector3d& at_m, double value) {

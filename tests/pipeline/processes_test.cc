@@ -139,6 +139,28 @@ TEST_F(ProcessesTest, OurRasterisersBitsAreTheSameToo) {
   EXPECT_NE(HashOf("e", {}), hash);
 }
 
+// With the shipped weights, in real processes and in one.
+TEST_F(ProcessesTest, ATrainedDetectorIsInTheLoop) {
+  const std::string card = std::string(WINDHOVER_SOURCE_DIR) + "/models/yolox_small.json";
+  const std::vector<std::string> options = {"--set",
+                                            "estimator.detector=yolox_small",
+                                            "--set",
+                                            "estimator.detector_model=" + card,
+                                            "--set",
+                                            "rig.focal_mm=6",
+                                            "--set",
+                                            "rig.image=[640, 360]",
+                                            "--set",
+                                            "render.rasteriser=native",
+                                            "--set",
+                                            "expect=[{metric: methods.baseline.detected, min: 18}, "
+                                            "{metric: frames.false_detections, max: 0}]"};
+  const std::string hash = HashOf("a", options);
+  std::vector<std::string> in_process = options;
+  in_process.insert(in_process.end(), {"--in-process", "--threads", "2"});
+  EXPECT_EQ(HashOf("b", in_process), hash);
+}
+
 TEST_F(ProcessesTest, TheLogIsTheSameOverUdpMulticast) {
   const std::string network =
       "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo";
