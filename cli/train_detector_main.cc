@@ -39,6 +39,8 @@ struct Options {
   bool resume = false;
 };
 
+constexpr int kSettlingSteps = 150;  // A running mean keeps 0.97 a batch: 1 % of what it was.
+
 bool IsRefiner(const Options& options) { return options.recipe.network == "yolox_refine"; }
 
 std::string NameOf(const std::string& file) { return fs::path(file).filename().string(); }
@@ -95,6 +97,7 @@ std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options,
     replay.size = {options.crop_px, options.crop_px};
     replay.whole_every = options.whole_every;
     replay.whole_batch = options.batch;  // Half of it at least 16, or libtorch takes a slower way.
+    replay.whole_from = options.recipe.steps;
   }
   if (labelled.empty()) return DrawnSource(options, replay);
   auto own = MakeFolderSource(labelled, IsRefiner(options), replay);
@@ -146,6 +149,8 @@ DetectorPlan PlanOf(const Options& options) {
     labelled = ReadLabelledFolder(options.labelled);
     plan.data["labelled"]["pictures"] = labelled.size();
   }
+  // Crops show more aircraft than whole pictures, and larger ones: their statistics are others.
+  if (!IsRefiner(options) && options.from.empty()) plan.settling_steps = kSettlingSteps;
   plan.make_source = [options, labelled] { return SourceOf(options, labelled); };
   if (!options.from.empty()) {
     const LayerTable table = MakeYolox(options.recipe.network).table;

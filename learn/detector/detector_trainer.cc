@@ -87,16 +87,13 @@ class DetectorTrainer::Impl {
         halves_{Half(network_), Half(network_)} {}
 
   std::optional<YoloxLossParts> Step(std::span<const DetectorSample> batch) {
-    const std::size_t middle = (batch.size() + 1) / 2;
-    const std::size_t n_halves = batch.size() > 1 ? 2 : 1;
-    const std::array parts = {batch.first(middle), batch.subspan(middle)};
-    const auto launch = threads_ > 1 ? std::launch::async : std::launch::deferred;
-    auto second = std::async(launch, [&] {
-      if (n_halves == 2) halves_[1].Learn(parts[1], now_);
-    });
-    halves_[0].Learn(parts[0], now_);
-    second.get();
-    return Follow(n_halves);
+    return Follow(LearnHalves(batch, now_));
+  }
+
+  void Settle(std::span<const DetectorSample> batch) {
+    if (average_.statistics.empty()) return;
+    LearnHalves(batch, average_);
+    average_.statistics = halves_[0].learned.statistics;
   }
 
   NetworkWeights Average() const { return Folded(network_.table, average_); }
@@ -146,18 +143,31 @@ class DetectorTrainer::Impl {
     YoloxLossParts loss;
   };
 
-  std::optional<YoloxLossParts> Follow(std::size_t n_halves) {
-    YoloxLossParts loss = halves_[0].loss;
-    if (n_halves == 2) {
-      const YoloxLossParts& other = halves_[1].loss;
-      loss.box = (loss.box + other.box) / 2;
-      loss.offset = (loss.offset + other.offset) / 2;
-      loss.objectness = (loss.objectness + other.objectness) / 2;
-      loss.cls = (loss.cls + other.cls) / 2;
-      loss.n_assigned += other.n_assigned;
-      Blend(0.5, halves_[1].gradient, &halves_[0].gradient);
-      Blend(0.5, halves_[1].learned.statistics, &halves_[0].learned.statistics);
-    }
+  /// Gradient, loss and statistics of `network` for a batch: those of its halves joined in the
+  /// first.
+  const YoloxLossParts& LearnHalves(std::span<const DetectorSample> batch,
+                                    const LearnedNetwork& network) {
+    const std::size_t middle = (batch.size() + 1) / 2;
+    const auto launch = threads_ > 1 ? std::launch::async : std::launch::deferred;
+    auto second = std::async(launch, [&] {
+      if (batch.size() > 1) halves_[1].Learn(batch.subspan(middle), network);
+    });
+    halves_[0].Learn(batch.first(middle), network);
+    second.get();
+    YoloxLossParts& loss = halves_[0].loss;
+    if (batch.size() == 1) return loss;
+    const YoloxLossParts& other = halves_[1].loss;
+    loss.box = (loss.box + other.box) / 2;
+    loss.offset = (loss.offset + other.offset) / 2;
+    loss.objectness = (loss.objectness + other.objectness) / 2;
+    loss.cls = (loss.cls + other.cls) / 2;
+    loss.n_assigned += other.n_assigned;
+    Blend(0.5, halves_[1].gradient, &halves_[0].gradient);
+    Blend(0.5, halves_[1].learned.statistics, &halves_[0].learned.statistics);
+    return loss;
+  }
+
+  std::optional<YoloxLossParts> Follow(const YoloxLossParts& loss) {
     const int warm_up = std::max(1, static_cast<int>(recipe_.warm_up * recipe_.steps));
     const double rate = recipe_.rate * RateShare(step_, recipe_.steps, warm_up);
     if (!optimiser_.Step(rate, halves_[0].gradient, &now_.parameters)) return std::nullopt;
@@ -185,6 +195,7 @@ DetectorTrainer::~DetectorTrainer() = default;
 std::optional<YoloxLossParts> DetectorTrainer::Step(const std::vector<DetectorSample>& batch) {
   return impl_->Step(batch);
 }
+void DetectorTrainer::Settle(const std::vector<DetectorSample>& batch) { impl_->Settle(batch); }
 int DetectorTrainer::steps_done() const { return impl_->steps_done(); }
 const YoloxNetwork& DetectorTrainer::network() const { return impl_->network(); }
 NetworkWeights DetectorTrainer::Average() const { return impl_->Average(); }

@@ -47,6 +47,11 @@ class DetectorTrainer {
   /// @return nothing if the gradient was not finite: training has diverged.
   std::optional<YoloxLossParts> Step(const std::vector<DetectorSample>& batch);
 
+  /// Lets the averaged network's statistics follow those of a batch, and learns nothing: for
+  /// those that differ from what training saw most of, and after a hundred batches are theirs.
+  /// Source: Y. Wu, J. Johnson, "Rethinking \"Batch\" in BatchNorm", arXiv 2105.07576, 3.
+  void Settle(const std::vector<DetectorSample>& batch);
+
   int steps_done() const;
   const YoloxNetwork& network() const;
 

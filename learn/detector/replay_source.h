@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct ReplayConfig {
   /// Every so many steps pictures are whole, as the nearest targets do not fit a crop; 0: never.
   int whole_every = 5;
   int whole_batch = 16;
+  /// From this step on all are whole.
+  int whole_from = std::numeric_limits<int>::max();
   int first_scenes = 6;      ///< That are there at step 0.
   int steps_per_scene = 24;  ///< A new scene every so many steps.
   int scenes_kept = 40;      ///< The newest.

@@ -102,7 +102,8 @@ DetectorTrainingEnd Run(Training* training,
                         const std::function<bool(int done, int total)>& on_step) {
   DetectorTrainer& trainer = training->trainer;
   const int total = training->plan.recipe.steps;
-  if (trainer.steps_done() >= total) return DetectorTrainingEnd::kFinished;
+  const int settling = training->plan.settling_steps;
+  if (trainer.steps_done() >= total && settling == 0) return DetectorTrainingEnd::kFinished;
   const std::unique_ptr<DetectorSampleSource> source = training->plan.make_source();
   BatchesAhead batches(source.get(), trainer.steps_done());
   while (trainer.steps_done() < total) {
@@ -114,6 +115,7 @@ DetectorTrainingEnd Run(Training* training,
     if (done == total || !go_on || done % training->plan.save_every == 0) training->Save();
     if (!go_on && done < total) return DetectorTrainingEnd::kInterrupted;
   }
+  for (int i = 0; i < settling; ++i) trainer.Settle(batches.Take());
   return DetectorTrainingEnd::kFinished;
 }
 

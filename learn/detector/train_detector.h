@@ -21,6 +21,7 @@ struct DetectorPlan {
   std::filesystem::path state_file;     ///< Where an unfinished training is kept.
   bool resume = false;                  ///< Goes on from state_file.
   int save_every = 500;                 ///< Steps between states.
+  int settling_steps = 0;  ///< Batches after the last step that statistics settle on.
   nlohmann::ordered_json data;          ///< What the source is made of: whose state fits.
 };
 
