@@ -1,6 +1,7 @@
 #include "learn/detector/detector_trainer.h"
 
 #include <cmath>
+#include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -234,6 +235,31 @@ TEST(DetectorTrainer, LearnsToFindAndIsFineTuned) {
   for (int step = 0; step < kTuningSteps; ++step) ASSERT_TRUE(tuned.Step(source->Batch(step)));
   EXPECT_GT(HitShare(trainer, tuned.Average(), Look::kRing), 0.5);
   EXPECT_GT(HitShare(trainer, tuned.Average()), 0.7);
+}
+
+// With one batch again and again s(k) - s(∞) is 0.97^k of what it was: from 20 to 40 statistics
+// move 0.97^20 of what they did from 0 to 20, to rounding. Weights stay.
+TEST(DetectorTrainer, StatisticsSettleOnABatch) {
+  DetectorTrainer trainer({.network = "yolox_small", .steps = 1}, 2);
+  const auto statistics_after = [&](int n) {
+    for (int i = 0; i < n; ++i) trainer.Settle(PictureBatch(7));
+    const nlohmann::json state = trainer.State();
+    const auto& bytes = state.at("average_statistics").get_binary();
+    std::vector<float> values(bytes.size() / sizeof(float));
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    return values;
+  };
+  const nlohmann::json before = trainer.State();
+  const auto first = statistics_after(0), second = statistics_after(20),
+             third = statistics_after(20);
+  double moved = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const double by = second[i] - first[i];
+    moved = std::max(moved, std::abs(by));
+    EXPECT_NEAR(third[i] - second[i], std::pow(0.97, 20) * by, 1e-4 + 1e-3 * std::abs(by));
+  }
+  EXPECT_GT(moved, 0.1);
+  EXPECT_EQ(trainer.State().at("average_parameters"), before.at("average_parameters"));
 }
 
 }  // namespace
