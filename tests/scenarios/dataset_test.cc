@@ -122,9 +122,11 @@ TEST(Dataset, TargetTiltsAsWanted) {
 TEST(Dataset, TakesTheTargetOfTheScenario) {
   Scenario base = Preset("uavde_12mm");
   base.aircraft = {{}, {}};
-  base.aircraft[0].self = {.id = 3, .carries_rig = false, .controller = {}, .follow = {}};
+  base.aircraft[0].self = {
+      .id = 3, .carries_rig = false, .controller = {}, .follow = {}, .goal = {}};
   base.aircraft[0].type = AircraftType::kP600;
-  base.aircraft[1].self = {.id = 5, .carries_rig = true, .controller = {}, .follow = {}};
+  base.aircraft[1].self = {
+      .id = 5, .carries_rig = true, .controller = {}, .follow = {}, .goal = {}};
   base.aircraft[1].type = AircraftType::kM200Black;
   const Scenario flight = DatasetFlight(base, Split::kTest, 0, 1);
   ASSERT_EQ(flight.aircraft.size(), 2U);

@@ -80,6 +80,14 @@ TEST(TrackFilter, WorkedExample) {
   EXPECT_NEAR(filter.PositionCovariance()(0, 0), 0.09, 1e-6);
 }
 
+// P_pp + Δt² P_vv + q Δt³ / 3 with q = 1.5² m²/s³: 0.09 + 4 · 0.25 + 2.25 · 8 / 3 after 2 s.
+TEST(TrackFilter, SpreadsWhilePredicting) {
+  TrackFilter filter({{10, 0, 0}, 0.09 * Matrix3d::Identity(), 0}, 0.5);
+  filter.Predict(2, 1.5);
+  EXPECT_NEAR(filter.PositionCovariance()(1, 1), 7.09, 1e-12);
+  EXPECT_EQ(filter.PositionCovariance()(0, 1), 0);
+}
+
 // Errors squared over the covariance that the filter claims: 3 on average in three dimensions. Of
 // 200 targets that move as it believes their mean is so to √(2 · 3 / 200) = 0.17.
 TEST(TrackFilter, KnowsHowWrongItIs) {
@@ -163,6 +171,13 @@ TEST_F(NeighbourTracksTest, OneSightingIsOfOneAircraft) {
   EXPECT_EQ(known[0].unseen_s, 0);
   EXPECT_NEAR(known[1].unseen_s, 0.5, 1e-12);
   EXPECT_NEAR(known[1].p_m.y(), 0.6, 0.05);
+}
+
+// Two come out of one another: what both could be of a track is of one, the other begins its own.
+TEST_F(NeighbourTracksTest, ATrackTakesOneSightingOfAFrame) {
+  for (int k = 0; k < 5; ++k) Look({Estimate({15, 0, 0}, 0)});
+  for (int k = 0; k < 3; ++k) Look({Estimate({15, 0, 0}, 0), Estimate({15, 0.05, 0}, 0)});
+  EXPECT_EQ(Known().size(), 2U);
 }
 
 // Beyond four sigmas, and beside the line of sight much sooner: it is somebody else.
