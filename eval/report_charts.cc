@@ -1,6 +1,7 @@
 #include "eval/report_charts.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -17,18 +18,23 @@ constexpr std::size_t kMaxPoints = 400;  // More would not be told apart on the 
 
 using PairFrames = std::vector<const TargetFrame*>;
 
-/// Every k-th of at most kMaxPoints.
+/// Every how many-th of so many frames is drawn.
+std::size_t StepOf(std::size_t n_frames) {
+  return std::max<std::size_t>(1, (n_frames + kMaxPoints - 1) / kMaxPoints);
+}
+
 PairFrames Thinned(const PairFrames& frames) {
-  const std::size_t step = (frames.size() + kMaxPoints - 1) / kMaxPoints;
   PairFrames thinned;
-  for (std::size_t i = 0; i < frames.size(); i += std::max<std::size_t>(1, step)) {
+  for (std::size_t i = 0; i < frames.size(); i += StepOf(frames.size())) {
     thinned.push_back(frames[i]);
   }
   return thinned;
 }
 
 Chart RangeOverTime(const Evaluation& evaluation, int observer, int target,
-                    const PairFrames& frames) {
+                    const PairFrames& all_frames) {
+  const std::size_t step = StepOf(all_frames.size());
+  const PairFrames frames = Thinned(all_frames);
   const auto& methods = evaluation.run.scenario.estimator.methods;
   Chart chart;
   chart.title = fmt::format("Aircraft {} watches aircraft {}", observer, target);
@@ -39,7 +45,14 @@ Chart RangeOverTime(const Evaluation& evaluation, int observer, int target,
                     .look = -1,
                     .points = {}};
   double farthest_m = 0;
+  const double longest_gap_s =
+      1.5 * static_cast<double>(step) / evaluation.run.scenario.frame_rate_hz;
   for (const TargetFrame* frame : frames) {
+    // Where the target was out of view the line is broken.
+    const double time_s = SecondsFromUtime(frame->utime);
+    if (!truth.points.empty() && time_s - truth.points.back().x > longest_gap_s) {
+      truth.points.push_back({time_s, std::numeric_limits<double>::quiet_NaN()});
+    }
     truth.points.push_back({SecondsFromUtime(frame->utime), frame->reference_m});
     farthest_m = std::max(farthest_m, frame->reference_m);
   }
@@ -105,7 +118,7 @@ std::string RangeOverTimeCharts(const Evaluation& evaluation) {
                           pairs.size() - kMaxPairs);
       break;
     }
-    html += ChartSvg(RangeOverTime(evaluation, pair.first, pair.second, Thinned(frames)));
+    html += ChartSvg(RangeOverTime(evaluation, pair.first, pair.second, frames));
   }
   return html;
 }

@@ -128,6 +128,16 @@ TEST(NiceTicks, AreRound) {
   EXPECT_THAT(NiceTicks(0), ElementsAre(0));
 }
 
+// Seen for a second, and for one more after ten: two lines, "M… L…" each.
+TEST_F(ReportTest, ReferenceLineEndsWhereTheTargetIsOutOfView) {
+  std::vector<ObserverFrame> frames;
+  for (int k = 0; k < 120; ++k) {
+    if (k < 10 || k >= 110) frames.push_back(SeenFrame(UtimeOfTick(k, 10), TargetAhead(1, 10), 10));
+  }
+  EXPECT_THAT(Report(EvaluateRecord(Flight(frames))),
+              ContainsRegex("class=\"line truth\" d=\"M[^M\"]*M[^M\"]*\""));
+}
+
 uav_truth_t At(int id, double east_m, double north_m) {
   uav_truth_t uav{};
   uav.id = id;
