@@ -29,15 +29,13 @@ struct Options {
   throw ConfigError(fmt::format("{}: must be {} (found {})", where, must, found));
 }
 
-/// What is kept of a run: many may be compared.
 struct KnownRun {
   fs::path log;
-  Scenario scenario;
-  Json score;
-  bool valid = false;
+  Evaluation evaluation;
 };
 
-/// A folder or log of one run, or the runs in a folder, each of a seed of its own.
+/// A folder or log of one run, or the runs in a folder, each of a seed of its own. Of several only
+/// scenario and score are kept.
 std::map<std::uint64_t, KnownRun> RunsIn(const fs::path& source) {
   std::vector<fs::path> logs;
   if (!fs::is_directory(source) || fs::exists(source / "run.lcm")) {
@@ -51,10 +49,14 @@ std::map<std::uint64_t, KnownRun> RunsIn(const fs::path& source) {
   std::sort(logs.begin(), logs.end());
   std::map<std::uint64_t, KnownRun> runs;
   for (const fs::path& log : logs) {
-    Evaluation run = Evaluate(log);
-    const std::uint64_t seed = run.run.scenario.random_seed;
-    const auto [known, is_new] = runs.try_emplace(
-        seed, KnownRun{log, run.run.scenario, std::move(run.score), run.run.valid});
+    Evaluation evaluation = Evaluate(log);
+    if (logs.size() > 1) {
+      evaluation.targets = {};
+      evaluation.run.frames.clear();
+      evaluation.run.world.clear();
+    }
+    const std::uint64_t seed = evaluation.run.scenario.random_seed;
+    const auto [known, is_new] = runs.try_emplace(seed, KnownRun{log, std::move(evaluation)});
     if (!is_new) {
       MustBe(log.string(), "of another seed than the rest",
              fmt::format("seed {}, as {}", seed, known->second.log.string()));
@@ -78,14 +80,12 @@ Comparison Compare(const std::map<std::uint64_t, KnownRun>& in_a,
   for (const auto& [seed, run] : in_a) {
     const auto other = is_single ? in_b.begin() : in_b.find(seed);
     if (other == in_b.end()) continue;
-    if (a.empty()) comparison.different_keys = DifferentKeys(run.scenario, other->second.scenario);
-    comparison.n_invalid += (run.valid ? 0 : 1) + (other->second.valid ? 0 : 1);
-    a.push_back(run.score);
-    b.push_back(other->second.score);
-  }
-  if (is_single) {
-    comparison.frames =
-        CompareFrames(Evaluate(in_a.begin()->second.log), Evaluate(in_b.begin()->second.log));
+    const Evaluation &one = run.evaluation, &two = other->second.evaluation;
+    if (a.empty()) comparison.different_keys = DifferentKeys(one.run.scenario, two.run.scenario);
+    if (is_single) comparison.frames = CompareFrames(one, two);
+    comparison.n_invalid += (one.run.valid ? 0 : 1) + (two.run.valid ? 0 : 1);
+    a.push_back(one.score);
+    b.push_back(two.score);
   }
   comparison.n_pairs = static_cast<int>(a.size());
   comparison.runs = CompareScores(a, b);

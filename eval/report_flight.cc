@@ -157,8 +157,8 @@ std::string AircraftSvg(const RunRecord& run, const View& view, const std::strin
       name, id, i % kLooks, path, duration_s);
 }
 
-std::string ViewSvg(const RunRecord& run, const View& view, const std::string& name,
-                    const std::string& title, double duration_s) {
+std::string ViewSvg(const RunRecord& run, const Approach& closest, const View& view,
+                    const std::string& name, const std::string& title, double duration_s) {
   static constexpr const char* kAxes[] = {"east, m", "north, m", "up, m"};
   std::string svg = fmt::format(
       "<figure><figcaption>{0}</figcaption><svg class=\"chart\" viewBox=\"0 0 {1} {2:.0f}\" "
@@ -173,7 +173,6 @@ std::string ViewSvg(const RunRecord& run, const View& view, const std::string& n
   for (std::size_t i = 0; i < run.world.front().uavs.size(); ++i) {
     svg += AircraftSvg(run, view, name, i, duration_s);
   }
-  const Approach closest = ClosestOf(run);
   if (std::isfinite(closest.distance_m)) {
     svg += fmt::format("<path class=\"line truth\" d=\"M{:.1f} {:.1f}l10 10m0 -10l-10 10\"/>\n",
                        view.X(closest.middle_W_m) - 5, view.Y(closest.middle_W_m) - 5);
@@ -187,18 +186,19 @@ std::string FlightViews(const RunRecord& run) {
   if (!CanBeDrawn(run)) return "";
   const double flight_s = SecondsFromUtime(run.world.back().utime - run.world.front().utime);
   const double duration_s = std::clamp(flight_s, 0.1, kLongest_s);
+  const Approach closest = ClosestOf(run);
   const View top = FitView(run, 0, 1);
   const Vector3d extent_m = top.high_m - top.low_m;
   std::string html = "<div class=\"frames\">\n" +
-                     ViewSvg(run, top, "above-", "From above", duration_s) +
-                     ViewSvg(run, FitView(run, extent_m.x() >= extent_m.y() ? 0 : 1, 2), "side-",
-                             "From the side", duration_s) +
+                     ViewSvg(run, closest, top, "above-", "From above", duration_s) +
+                     ViewSvg(run, closest, FitView(run, extent_m.x() >= extent_m.y() ? 0 : 1, 2),
+                             "side-", "From the side", duration_s) +
                      "</div>\n";
   std::string note = "Discs show where each aircraft was";
   if (flight_s > duration_s) note += fmt::format(", {:.2g} times as fast", flight_s / duration_s);
-  const bool has_pairs = run.world.front().uavs.size() > 1;
-  return html + fmt::format("<p class=\"note\">{}{}.</p>\n", note,
-                            has_pairs ? "; the cross, where two came closest" : "");
+  return html + fmt::format(
+                    "<p class=\"note\">{}{}.</p>\n", note,
+                    std::isfinite(closest.distance_m) ? "; the cross, where two came closest" : "");
 }
 
 std::string SeparationChart(const RunRecord& run) {

@@ -53,16 +53,20 @@ TEST(SwarmMetrics, OrderIsOneInParallelFlightAndZeroHeadOn) {
   EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(square, {}, ScoreConfig{}).order, std::sqrt(0.5));
 }
 
-TEST(SwarmMetrics, ConnectivityIsTheLargestGroupThatSeesEachOther) {
+/// Four in a row: 0 sees 1 and 1 sees 2, then nobody sees anybody.
+SwarmMetrics MetricsOfThreeLinkedOnce() {
   const std::vector<world_truth_t> world{World({Uav(0, 0), Uav(1, 9), Uav(2, 18), Uav(3, 27)})};
   ObserverFrame sees_one = SeenFrame(0, TargetAhead(1, 9), 9);
   ObserverFrame sees_two = SeenFrame(0, TargetAhead(2, 9), 9);
   sees_two.observer_id = 1;
   ObserverFrame blind = SeenFrame(100'000, TargetAhead(1, 9), 9);
   blind.truth.targets[0].left.in_front = 0;
-  const std::vector<ObserverFrame> frames{sees_one, sees_two, blind};
+  return ComputeSwarmMetrics(world, std::vector{sees_one, sees_two, blind}, ScoreConfig{});
+}
+
+TEST(SwarmMetrics, ConnectivityIsTheLargestGroupThatSeesEachOther) {
   // 0-1-2 are linked at first: 3 of 4; then nobody: 1 of 4.
-  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(world, frames, ScoreConfig{}).connectivity, 0.5);
+  EXPECT_DOUBLE_EQ(*MetricsOfThreeLinkedOnce().connectivity, 0.5);
 }
 
 // V6.10: λ₂ of a path of three is 1, of three that all see each other 3; of two groups 0.
@@ -88,16 +92,7 @@ TEST(SwarmMetrics, AlgebraicConnectivityIsZeroWhereGroupsArePart) {
 
 // 0-1-2 are one group of four, so two groups: (4 - 2) / 3; then four groups: 0.
 TEST(SwarmMetrics, UnionCountsGroups) {
-  const std::vector<world_truth_t> world{World({Uav(0, 0), Uav(1, 9), Uav(2, 18), Uav(3, 27)})};
-  ObserverFrame sees_one = SeenFrame(0, TargetAhead(1, 9), 9);
-  ObserverFrame sees_two = SeenFrame(0, TargetAhead(2, 9), 9);
-  sees_two.observer_id = 1;
-  ObserverFrame blind = SeenFrame(100'000, TargetAhead(1, 9), 9);
-  blind.truth.targets[0].left.in_front = 0;
-  EXPECT_DOUBLE_EQ(
-      *ComputeSwarmMetrics(world, std::vector{sees_one, sees_two, blind}, ScoreConfig{})
-           .union_by_sight,
-      1.0 / 3);
+  EXPECT_DOUBLE_EQ(*MetricsOfThreeLinkedOnce().union_by_sight, 1.0 / 3);
 }
 
 // 10 m apart, closing at 2 m/s: 1.5 m apart after 4.25 s. A target that passes 2 m beside never is.
