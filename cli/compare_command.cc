@@ -54,6 +54,7 @@ std::map<std::uint64_t, KnownRun> RunsIn(const fs::path& source) {
       evaluation.targets = {};
       evaluation.run.frames.clear();
       evaluation.run.world.clear();
+      evaluation.run.commands.clear();
     }
     const std::uint64_t seed = evaluation.run.scenario.random_seed;
     const auto [known, is_new] = runs.try_emplace(seed, KnownRun{log, std::move(evaluation)});

@@ -11,9 +11,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kContents = {"resolved.yaml", "manifest.json", "run.lcm",     "estimates.csv",
-                                  "score.json",    "junit.xml",     "report.html", "timing.json",
-                                  "frames",        "logs"};
+constexpr std::array kContents = {"resolved.yaml", "manifest.json", "run.lcm",   "estimates.csv",
+                                  "swarm.csv",     "score.json",    "junit.xml", "report.html",
+                                  "timing.json",   "frames",        "logs"};
 
 bool IsRunDirectory(const fs::path& folder) { return fs::exists(folder / "resolved.yaml"); }
 

@@ -65,6 +65,7 @@ std::string VerdictTable(const Json& score) {
 void WriteScoreFiles(const Evaluation& evaluation, const std::filesystem::path& folder) {
   WriteScore(evaluation, folder);
   WriteEstimatesCsv(evaluation, folder);
+  WriteSwarmCsv(evaluation, folder);
   WriteJunit(evaluation, folder);
 }
 

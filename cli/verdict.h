@@ -18,7 +18,7 @@ std::string MethodsTable(const nlohmann::ordered_json& score);
 /// score.json as a table for a terminal: methods, gates, verdict.
 std::string VerdictTable(const nlohmann::ordered_json& score);
 
-/// Writes score.json, estimates.csv and junit.xml into `folder`.
+/// Writes score.json, estimates.csv, swarm.csv and junit.xml into `folder`.
 void WriteScoreFiles(const Evaluation& evaluation, const std::filesystem::path& folder);
 
 }  // namespace windhover

@@ -92,8 +92,8 @@ Evaluation EvaluateRecord(RunRecord run, Json timing, Json manifest) {
   const auto& methods = scenario.estimator.methods;
   evaluation.methods = ScoreMethods(methods, FramesOfMethods(evaluation.targets, methods.size()),
                                     1 / scenario.frame_rate_hz, scenario.random_seed);
-  evaluation.swarm =
-      ComputeSwarmMetrics(evaluation.run.world, evaluation.run.frames, scenario.score);
+  evaluation.swarm_ticks = SwarmTicks(evaluation.run);
+  evaluation.swarm = ComputeSwarmMetrics(evaluation.run, evaluation.swarm_ticks);
   evaluation.disparity_offset_px = MedianDisparityOffset_px(evaluation.run, evaluation.targets);
   evaluation.score = ScoreJson(evaluation);
   evaluation.gates = EvaluateGates(evaluation.score, scenario.expect);

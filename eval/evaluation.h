@@ -29,6 +29,7 @@ struct Evaluation {
   TargetFrames targets;
   FrameCounts frames;
   std::vector<MethodScore> methods;
+  std::vector<SwarmTick> swarm_ticks;
   SwarmMetrics swarm;
   /// Median of measured minus true disparity of the detected boxes, px: what a scenario that
   /// flies the same rig again should give as estimator.offset1_px.
@@ -48,10 +49,11 @@ Evaluation Evaluate(const std::filesystem::path& run_dir_or_log);
 Evaluation EvaluateRecord(RunRecord run, nlohmann::ordered_json timing = nullptr,
                           nlohmann::ordered_json manifest = nullptr);
 
-/// Each writes one file into `dir`: score.json, estimates.csv, junit.xml, report.html.
+/// Each writes one file into `dir`: score.json, estimates.csv, swarm.csv, junit.xml, report.html.
 /// @throws std::runtime_error naming the file if it cannot be written.
 void WriteScore(const Evaluation& evaluation, const std::filesystem::path& dir);
 void WriteEstimatesCsv(const Evaluation& evaluation, const std::filesystem::path& dir);
+void WriteSwarmCsv(const Evaluation& evaluation, const std::filesystem::path& dir);
 void WriteJunit(const Evaluation& evaluation, const std::filesystem::path& dir);
 /// Embeds the pictures of `dir`/frames, if there are any (eval/report_frames.h).
 void WriteReport(const Evaluation& evaluation, const std::filesystem::path& dir);

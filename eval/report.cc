@@ -119,6 +119,8 @@ std::string SwarmTable(const SwarmMetrics& swarm) {
   html += Tile(fmt::format("{}", *swarm.near_misses), "near misses");
   html += Tile(Number(swarm.order, "{:.2f}"), "order of headings");
   html += Tile(Number(swarm.connectivity, "{:.2f}"), "connectivity by sight");
+  if (swarm.false_brakes) html += Tile(Number(swarm.false_brakes, "{:.3f}"), "false brakes");
+  if (swarm.missed_brakes) html += Tile(Number(swarm.missed_brakes, "{:.3f}"), "missed brakes");
   return "<div class=\"tiles\">\n" + html + "</div>\n";
 }
 

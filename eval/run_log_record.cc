@@ -30,6 +30,9 @@ class RecordBuilder {
           fmt::format("{}: there is no RUN_HEADER: not a log of windhover", log_.string()));
     }
     TakeUwb();
+    const auto by_time = [](auto& a, auto& b) { return a.utime < b.utime; };
+    std::stable_sort(record_.world.begin(), record_.world.end(), by_time);
+    std::stable_sort(record_.commands.begin(), record_.commands.end(), by_time);
     for (auto& [key, frame] : frames_) record_.frames.push_back(std::move(frame));
     record_.invalid_reason = WhyInvalid();
     record_.valid = record_.invalid_reason.empty();
@@ -58,6 +61,8 @@ class RecordBuilder {
       auto ranges = reader_.DecodeEvent<range_t>(event);
       ObserverFrame& frame = FrameOf(ranges.utime, ranges.observer_id);
       frame.ranges = std::move(ranges);
+    } else if (on.starts_with("VELOCITY_COMMAND_")) {
+      record_.commands.push_back(reader_.DecodeEvent<velocity_command_t>(event));
     } else if (on.starts_with("UWB_")) {
       uwb_.push_back(reader_.DecodeEvent<uwb_t>(event));
     }

@@ -15,9 +15,9 @@ Json NumberOrNull(const std::optional<Number>& number) {
   return *number;
 }
 
-Json IntervalsJson(const ErrorMetrics& metrics) {
+Json IntervalsJson(const std::map<std::string, std::array<double, 2>>& ci95) {
   Json json = Json::object();
-  for (const auto& [name, interval] : metrics.ci95) json[name] = interval;
+  for (const auto& [name, interval] : ci95) json[name] = interval;
   return json;
 }
 
@@ -32,7 +32,7 @@ Json MetricsJson(const ErrorMetrics& metrics) {
           {"delta_1_25", NumberOrNull(metrics.delta_1_25)},
           {"nees", NumberOrNull(metrics.nees)},
           {"coverage_95", NumberOrNull(metrics.coverage_95)},
-          {"ci95", IntervalsJson(metrics)}};
+          {"ci95", IntervalsJson(metrics.ci95)}};
 }
 
 Json DistanceBinJson(const DistanceBin& bin) {
@@ -61,8 +61,12 @@ Json SwarmJson(const SwarmMetrics& swarm) {
           {"connectivity", NumberOrNull(swarm.connectivity)},
           {"algebraic_connectivity", NumberOrNull(swarm.algebraic_connectivity)},
           {"union_by_sight", NumberOrNull(swarm.union_by_sight)},
+          {"guarded", NumberOrNull(swarm.guarded)},
+          {"false_brakes", NumberOrNull(swarm.false_brakes)},
+          {"missed_brakes", NumberOrNull(swarm.missed_brakes)},
           {"first_sight_to_near_miss_s", NumberOrNull(swarm.first_sight_to_near_miss_s)},
-          {"track_purity", NumberOrNull(swarm.track_purity)}};
+          {"track_purity", NumberOrNull(swarm.track_purity)},
+          {"ci95", IntervalsJson(swarm.ci95)}};
 }
 
 Json GateJson(const GateResult& gate) {

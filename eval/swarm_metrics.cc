@@ -7,18 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "eval/bootstrap.h"
+#include "eval/metrics.h"
 #include "eval/samples.h"
 
 namespace windhover {
 namespace {
-
-constexpr double kMovingSpeed_mps = 0.1;
-
-double Separation_m(const uav_truth_t& a, const uav_truth_t& b) {
-  return (Eigen::Vector3d(a.p_WB_m) - Eigen::Vector3d(b.p_WB_m)).norm();
-}
 
 /// Counts how often each pair comes closer than a limit.
 class CloseEncounters {
@@ -39,121 +35,86 @@ class CloseEncounters {
   std::map<std::pair<int, int>, bool> was_close_;
 };
 
-void MeasureSeparation(std::span<const world_truth_t> world, const ScoreConfig& score,
-                       SwarmMetrics* metrics) {
+void CountEncounters(const RunRecord& run, SwarmMetrics* metrics) {
+  const ScoreConfig& score = run.scenario.score;
   CloseEncounters collisions(score.collision_m), near_misses(score.near_miss_m);
-  for (const world_truth_t& tick : world) {
+  for (const world_truth_t& tick : run.world) {
     for (std::size_t i = 0; i < tick.uavs.size(); ++i) {
       for (std::size_t j = i + 1; j < tick.uavs.size(); ++j) {
         const double separation_m = Separation_m(tick.uavs[i], tick.uavs[j]);
         const std::pair<int, int> pair{tick.uavs[i].id, tick.uavs[j].id};
         collisions.See(pair, separation_m);
         near_misses.See(pair, separation_m);
-        metrics->min_separation_m =
-            std::min(metrics->min_separation_m.value_or(separation_m), separation_m);
       }
     }
   }
-  if (!metrics->min_separation_m) return;
   metrics->collisions = collisions.count();
   metrics->near_misses = near_misses.count();
 }
 
-std::optional<double> Order(std::span<const world_truth_t> world) {
-  double sum = 0;
-  int n_ticks = 0;
-  for (const world_truth_t& tick : world) {
-    Eigen::Vector3d heading_sum = Eigen::Vector3d::Zero();
-    int n_moving = 0;
-    for (const uav_truth_t& uav : tick.uavs) {
-      const Eigen::Vector3d v_mps(uav.v_WB_mps);
-      if (v_mps.norm() < kMovingSpeed_mps) continue;
-      heading_sum += v_mps.normalized();
-      ++n_moving;
-    }
-    if (n_moving < 2) continue;
-    sum += heading_sum.norm() / n_moving;
-    ++n_ticks;
-  }
-  if (n_ticks == 0) return std::nullopt;
-  return sum / n_ticks;
-}
-
-/// Which aircraft are linked by sight.
-class SightGraph {
+/// Means over the ticks of a run, with intervals.
+class TickMeans {
  public:
-  explicit SightGraph(std::size_t n)
-      : linked_(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n))) {
-  }
+  TickMeans(const RunRecord& run, std::span<const SwarmTick> ticks, SwarmMetrics* metrics)
+      : ticks_(ticks),
+        seed_(run.scenario.random_seed),
+        blocks_(ticks.front().utime, ticks.back().utime, 1 / run.scenario.frame_rate_hz,
+                kMinBlock_s),
+        metrics_(metrics) {}
 
-  void Link(std::size_t i, std::size_t j) {
-    const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
-    linked_(row, column) = linked_(column, row) = 1;
-  }
-
-  /// Share of all in the largest group that is linked, directly or over others.
-  double LargestShare() const {
-    return Reached().rowwise().sum().maxCoeff() / static_cast<double>(linked_.rows());
-  }
-
-  int Groups() const {
-    const Eigen::MatrixXd reached = Reached();
-    int groups = 0;
-    for (Eigen::Index i = 0; i < reached.rows(); ++i) {
-      groups += reached.row(i).head(i).sum() == 0 ? 1 : 0;  // The first of its group.
+  /// `term(tick)`: sum and count of what the tick adds.
+  template <typename Term>
+  std::optional<double> Mean(const char* name, Term term) {
+    std::vector<BlockSum> sums(static_cast<std::size_t>(blocks_.count()));
+    BlockSum total;
+    for (const SwarmTick& tick : ticks_) {
+      const BlockSum more = term(tick);
+      for (BlockSum* sum : {&total, &sums[static_cast<std::size_t>(blocks_.BlockOf(tick.utime))]}) {
+        sum->sum += more.sum;
+        sum->count += more.count;
+      }
     }
-    return groups;
+    if (total.count == 0) return std::nullopt;
+    if (const auto ci95 = BootstrapInterval95(sums, seed_)) metrics_->ci95[name] = *ci95;
+    return total.sum / total.count;
   }
 
-  double AlgebraicConnectivity() const {
-    Eigen::MatrixXd laplacian = -linked_;
-    laplacian.diagonal() += linked_.rowwise().sum();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(laplacian, Eigen::EigenvaluesOnly);
-    // Ascending; what rounding leaves of a 0 is below 1e-12.
-    const double second = solver.eigenvalues()[1];
-    return second < 1e-12 ? 0 : second / static_cast<double>(linked_.rows());
+  std::optional<double> Mean(const char* name, std::optional<double> SwarmTick::*member) {
+    return Mean(name, [&](const SwarmTick& tick) {
+      return BlockSum{(tick.*member).value_or(0), tick.*member ? 1 : 0};
+    });
+  }
+
+  std::optional<double> Share(const char* name, int BrakingCounts::*member) {
+    return Mean(name, [&](const SwarmTick& tick) {
+      return BlockSum{static_cast<double>(tick.braking.*member), tick.braking.commands};
+    });
   }
 
  private:
-  /// 1 where a chain of links leads from one to the other, or to oneself.
-  Eigen::MatrixXd Reached() const {
-    const Eigen::Index n = linked_.rows();
-    Eigen::MatrixXd reached = linked_ + Eigen::MatrixXd::Identity(n, n);
-    for (Eigen::Index length = 1; length < n; length *= 2) {
-      reached = (reached * reached).cwiseMin(1.0);
-    }
-    return reached;
-  }
-
-  Eigen::MatrixXd linked_;
+  std::span<const SwarmTick> ticks_;
+  std::uint64_t seed_;
+  TimeBlocks blocks_;
+  SwarmMetrics* metrics_;
 };
 
-void MeasureSight(std::span<const world_truth_t> world, std::span<const ObserverFrame> frames,
-                  SwarmMetrics* metrics) {
-  if (world.empty() || world.front().uavs.size() < 2) return;
-  std::map<int, std::size_t> index;
-  for (const uav_truth_t& uav : world.front().uavs) index.emplace(uav.id, index.size());
-  std::map<Utime, SightGraph> graphs;
-  for (const ObserverFrame& frame : frames) {
-    SightGraph& graph = graphs.try_emplace(frame.utime, index.size()).first->second;
-    for (const target_annotation_t& target : frame.truth.targets) {
-      const auto from = index.find(frame.observer_id), to = index.find(target.target_id);
-      if (from == index.end() || to == index.end() || !InViewOfBoth(target)) continue;
-      graph.Link(from->second, to->second);
-    }
+void SummariseTicks(const RunRecord& run, std::span<const SwarmTick> ticks, SwarmMetrics* metrics) {
+  if (ticks.empty()) return;
+  for (const SwarmTick& tick : ticks) {
+    if (!tick.separation_m) continue;
+    metrics->min_separation_m =
+        std::min(metrics->min_separation_m.value_or(*tick.separation_m), *tick.separation_m);
   }
-  if (graphs.empty()) return;
-  double share = 0, algebraic = 0, united = 0;
-  const auto others = static_cast<double>(index.size() - 1);
-  for (const auto& [utime, graph] : graphs) {
-    share += graph.LargestShare();
-    algebraic += graph.AlgebraicConnectivity();
-    united += (others + 1 - graph.Groups()) / others;
-  }
-  const auto n = static_cast<double>(graphs.size());
-  metrics->connectivity = share / n;
-  metrics->union_by_sight = united / n;
-  metrics->algebraic_connectivity = algebraic / n;
+  if (metrics->min_separation_m) CountEncounters(run, metrics);
+  TickMeans means(run, ticks, metrics);
+  metrics->order = means.Mean("order", &SwarmTick::order);
+  metrics->connectivity = means.Mean("connectivity", &SwarmTick::connectivity);
+  metrics->algebraic_connectivity =
+      means.Mean("algebraic_connectivity", &SwarmTick::algebraic_connectivity);
+  metrics->union_by_sight = means.Mean("union_by_sight", &SwarmTick::union_by_sight);
+  metrics->guarded = means.Share("guarded", &BrakingCounts::guarded);
+  metrics->false_brakes = means.Share("false_brakes", &BrakingCounts::false_brakes);
+  metrics->missed_brakes = means.Share("missed_brakes", &BrakingCounts::missed_brakes);
 }
 
 /// When two that keep their velocities are `limit_m` apart; nothing: never.
@@ -168,18 +129,11 @@ std::optional<double> TimeToNear_s(const uav_truth_t& a, const uav_truth_t& b, d
   return beyond / (closing + std::sqrt(root));
 }
 
-const uav_truth_t* Find(const world_truth_t& tick, int id) {
-  for (const uav_truth_t& uav : tick.uavs) {
-    if (uav.id == id) return &uav;
-  }
-  return nullptr;
-}
-
 /// Looks at detections with the truth beside them.
 class Sightings {
  public:
-  Sightings(std::span<const world_truth_t> world, double near_miss_m) : near_miss_m_(near_miss_m) {
-    for (const world_truth_t& tick : world) ticks_[tick.utime] = &tick;
+  explicit Sightings(const RunRecord& run) : near_miss_m_(run.scenario.score.near_miss_m) {
+    for (const world_truth_t& tick : run.world) ticks_[tick.utime] = &tick;
   }
 
   void See(const ObserverFrame& frame) {
@@ -236,14 +190,11 @@ class Sightings {
 
 }  // namespace
 
-SwarmMetrics ComputeSwarmMetrics(std::span<const world_truth_t> world,
-                                 std::span<const ObserverFrame> frames, const ScoreConfig& score) {
+SwarmMetrics ComputeSwarmMetrics(const RunRecord& run, std::span<const SwarmTick> ticks) {
   SwarmMetrics metrics;
-  MeasureSeparation(world, score, &metrics);
-  metrics.order = Order(world);
-  MeasureSight(world, frames, &metrics);
-  Sightings sightings(world, score.near_miss_m);
-  for (const ObserverFrame& frame : frames) sightings.See(frame);
+  SummariseTicks(run, ticks, &metrics);
+  Sightings sightings(run);
+  for (const ObserverFrame& frame : run.frames) sightings.See(frame);
   metrics.first_sight_to_near_miss_s = sightings.least_s();
   metrics.track_purity = sightings.Purity();
   return metrics;

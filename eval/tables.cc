@@ -15,6 +15,10 @@ constexpr const char* kColumns =
     "range_uwb_m,range_est_m,range_sigma_m,x_left_px,y_left_px,w_left_px,h_left_px,x_right_px,"
     "y_right_px,w_right_px,h_right_px,stages,latency_us\n";
 
+constexpr const char* kSwarmColumns =
+    "utime_us,separation_m,order,connectivity,algebraic_connectivity,union_by_sight,commands,"
+    "guarded,false_brakes,missed_brakes\n";
+
 /// The shortest text that reads back as the same number; empty for one that is none.
 std::string Cell(double number) { return std::isfinite(number) ? fmt::format("{}", number) : ""; }
 
@@ -68,6 +72,20 @@ void WriteEstimatesCsv(const Evaluation& evaluation, const std::filesystem::path
     }
   }
   ReplaceFile(dir / "estimates.csv", csv);
+}
+
+void WriteSwarmCsv(const Evaluation& evaluation, const std::filesystem::path& dir) {
+  std::string csv = kSwarmColumns;
+  const auto cell = [](const std::optional<double>& number) {
+    return number ? Cell(*number) : std::string();
+  };
+  for (const SwarmTick& tick : evaluation.swarm_ticks) {
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", tick.utime, cell(tick.separation_m),
+                       cell(tick.order), cell(tick.connectivity), cell(tick.algebraic_connectivity),
+                       cell(tick.union_by_sight), tick.braking.commands, tick.braking.guarded,
+                       tick.braking.false_brakes, tick.braking.missed_brakes);
+  }
+  ReplaceFile(dir / "swarm.csv", csv);
 }
 
 void WriteJunit(const Evaluation& evaluation, const std::filesystem::path& dir) {

@@ -32,6 +32,7 @@ velocity_command_t VelocityRamp::Towards(const Eigen::Vector3d& wish_mps, double
   command.utime = nav.utime;
   command.id = nav.id;
   std::copy_n(last_v_WB_mps_.data(), 3, command.v_WB_mps);
+  std::copy_n(wish_mps.data(), 3, command.wish_WB_mps);
   command.yaw_rate_radps = yaw_rate_radps;
   return command;
 }

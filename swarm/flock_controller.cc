@@ -74,6 +74,7 @@ velocity_command_t FlockController::Control(const nav_state_t& nav, const range_
                          : config_.max_acceleration_mps2;
   const double yaw_rate_radps = YawRateFor(config_, neighbours, wish_mps, X_WB(nav) * X_BR_);
   velocity_command_t command = ramp_.Towards(guarded.v_mps, largest_mps2, yaw_rate_radps, nav);
+  std::copy_n(wish_mps.data(), 3, command.wish_WB_mps);  // Not the guard's.
   command.is_guarded = guarded.is_guarded ? 1 : 0;
   return command;
 }

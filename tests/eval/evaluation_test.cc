@@ -126,6 +126,26 @@ TEST_F(EvaluationTest, EstimatesCsvWorkedExample) {
             "200000,0,1,annotated,test,baseline,0,12,12,,,,,,,,,,,,,\n");
 }
 
+// Two 3 m apart that fly one way, blind to each other, then one of them alone in the world.
+TEST_F(EvaluationTest, SwarmCsvWorkedExample) {
+  RunRecord run = Flight({MissedFrame(0, TargetAhead(1, 3))});
+  run.frames[0].truth.targets[0].left.in_front = 0;
+  world_truth_t both{}, one{};
+  both.uavs.resize(2);
+  both.uavs[1].id = 1;
+  both.uavs[1].p_WB_m[0] = 3;
+  both.uavs[0].v_WB_mps[1] = both.uavs[1].v_WB_mps[1] = 2;
+  one.utime = 100'000;
+  one.uavs.resize(1);
+  run.world = {both, one};
+  WriteSwarmCsv(EvaluateRecord(run), dir_);
+  EXPECT_EQ(Read("swarm.csv"),
+            "utime_us,separation_m,order,connectivity,algebraic_connectivity,union_by_sight,"
+            "commands,guarded,false_brakes,missed_brakes\n"
+            "0,3,1,0.5,0,0,0,0,0,0\n"
+            "100000,,,,,,0,0,0,0\n");
+}
+
 TEST_F(EvaluationTest, JunitHasOneCaseAGateAndOneForValidity) {
   RunRecord run = TenSeconds();
   run.scenario.expect = {{.metric = "methods.baseline.abs_rel_all", .max = 0.08},

@@ -56,6 +56,10 @@ class RunLogRecordTest : public ::testing::Test {
     writer->Write(channel::Annotation(0), frame.utime, frame.truth);
     writer->Write(channel::Detection(0), frame.utime, *frame.detections);
     if (with_range) writer->Write(channel::Range(0), frame.utime, *frame.ranges);
+    velocity_command_t command{};
+    command.utime = frame.utime;
+    command.wish_WB_mps[1] = k;
+    writer->Write(channel::VelocityCommand(0), frame.utime, command);
   }
 
   static void WriteEnd(RunLogWriter* writer, int n_ticks, bool valid = true,
@@ -90,6 +94,8 @@ TEST_F(RunLogRecordTest, ReadsWhatWasFlown) {
   EXPECT_EQ(run.frames[7].truth.targets.at(0).range_m, 10);
   EXPECT_EQ(run.frames[7].uwb_m.at(1), 10.5);
   EXPECT_EQ(run.frames[7].ranges->estimates.at(0).range_m, 11);
+  ASSERT_EQ(run.commands.size(), 50u);
+  EXPECT_EQ(run.commands[7].wish_WB_mps[1], 7);
 }
 
 TEST_F(RunLogRecordTest, ScoresARunFolderAndABareLogAlike) {

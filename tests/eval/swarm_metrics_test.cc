@@ -16,28 +16,35 @@ uav_truth_t Uav(int id, double x_m, double vx_mps = 0, double vy_mps = 0) {
   return uav;
 }
 
-world_truth_t World(std::vector<uav_truth_t> uavs) {
+world_truth_t World(std::vector<uav_truth_t> uavs, Utime utime = 0) {
   world_truth_t world{};
+  world.utime = utime;
   world.n_uavs = static_cast<int>(uavs.size());
   world.uavs = std::move(uavs);
   return world;
+}
+
+SwarmMetrics MetricsOf(std::vector<world_truth_t> world, std::vector<ObserverFrame> frames = {}) {
+  RunRecord run = Flight(std::move(frames));
+  run.world = std::move(world);
+  return ComputeSwarmMetrics(run, SwarmTicks(run));
 }
 
 TEST(SwarmMetrics, CountsEncountersOncePerApproach) {
   // Limits 1.5 m (near miss) and 0.6 m (collision): in, stays, closer, out, in again.
   std::vector<world_truth_t> world;
   for (const double gap_m : {5.0, 1.4, 1.3, 0.5, 2.0, 1.0}) {
-    world.push_back(World({Uav(0, 0), Uav(1, gap_m)}));
+    world.push_back(
+        World({Uav(0, 0), Uav(1, gap_m)}, UtimeOfTick(static_cast<int>(world.size()), 10)));
   }
-  const auto metrics = ComputeSwarmMetrics(world, {}, ScoreConfig{});
+  const auto metrics = MetricsOf(world);
   EXPECT_DOUBLE_EQ(*metrics.min_separation_m, 0.5);
   EXPECT_EQ(metrics.collisions, 1);
   EXPECT_EQ(metrics.near_misses, 2);
 }
 
 TEST(SwarmMetrics, OneAircraftHasNoSeparation) {
-  const std::vector<world_truth_t> world{World({Uav(0, 0, 3)})};
-  const auto metrics = ComputeSwarmMetrics(world, {}, ScoreConfig{});
+  const auto metrics = MetricsOf({World({Uav(0, 0, 3)})});
   EXPECT_FALSE(metrics.min_separation_m);
   EXPECT_FALSE(metrics.collisions);
   EXPECT_FALSE(metrics.order);
@@ -45,23 +52,20 @@ TEST(SwarmMetrics, OneAircraftHasNoSeparation) {
 }
 
 TEST(SwarmMetrics, OrderIsOneInParallelFlightAndZeroHeadOn) {
-  const std::vector<world_truth_t> parallel{World({Uav(0, 0, 3), Uav(1, 9, 5)})};
-  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(parallel, {}, ScoreConfig{}).order, 1);
-  const std::vector<world_truth_t> head_on{World({Uav(0, 0, 3), Uav(1, 9, -5)})};
-  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(head_on, {}, ScoreConfig{}).order, 0);
-  const std::vector<world_truth_t> square{World({Uav(0, 0, 3), Uav(1, 9, 0, 3)})};
-  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics(square, {}, ScoreConfig{}).order, std::sqrt(0.5));
+  EXPECT_DOUBLE_EQ(*MetricsOf({World({Uav(0, 0, 3), Uav(1, 9, 5)})}).order, 1);
+  EXPECT_DOUBLE_EQ(*MetricsOf({World({Uav(0, 0, 3), Uav(1, 9, -5)})}).order, 0);
+  EXPECT_DOUBLE_EQ(*MetricsOf({World({Uav(0, 0, 3), Uav(1, 9, 0, 3)})}).order, std::sqrt(0.5));
 }
 
 /// Four in a row: 0 sees 1 and 1 sees 2, then nobody sees anybody.
 SwarmMetrics MetricsOfThreeLinkedOnce() {
-  const std::vector<world_truth_t> world{World({Uav(0, 0), Uav(1, 9), Uav(2, 18), Uav(3, 27)})};
+  const std::vector row{Uav(0, 0), Uav(1, 9), Uav(2, 18), Uav(3, 27)};
   ObserverFrame sees_one = SeenFrame(0, TargetAhead(1, 9), 9);
   ObserverFrame sees_two = SeenFrame(0, TargetAhead(2, 9), 9);
   sees_two.observer_id = 1;
   ObserverFrame blind = SeenFrame(100'000, TargetAhead(1, 9), 9);
   blind.truth.targets[0].left.in_front = 0;
-  return ComputeSwarmMetrics(world, std::vector{sees_one, sees_two, blind}, ScoreConfig{});
+  return MetricsOf({World(row), World(row, 100'000)}, {sees_one, sees_two, blind});
 }
 
 TEST(SwarmMetrics, ConnectivityIsTheLargestGroupThatSeesEachOther) {
@@ -79,8 +83,7 @@ TEST(SwarmMetrics, AlgebraicConnectivityIsZeroWhereGroupsArePart) {
       frames.push_back(SeenFrame(0, TargetAhead(to, 9), 9));
       frames.back().observer_id = from;
     }
-    const std::vector<world_truth_t> ticks{world};
-    return n * *ComputeSwarmMetrics(ticks, frames, ScoreConfig{}).algebraic_connectivity;
+    return n * *MetricsOf({world}, frames).algebraic_connectivity;
   };
   EXPECT_NEAR(lambda2(3, {{0, 1}, {1, 2}}), 1, 1e-12);
   EXPECT_NEAR(lambda2(3, {{0, 1}, {1, 2}, {2, 0}, {0, 2}}), 3, 1e-12);
@@ -107,8 +110,7 @@ TEST(SwarmMetrics, TimeToNearMissIsOfTheFirstDetection) {
     const std::vector frames = {MissedFrame(0, TargetAhead(1, 99)),
                                 SeenFrame(100'000, TargetAhead(1, 10), 10),
                                 SeenFrame(200'000, TargetAhead(1, 5), 5)};
-    return ComputeSwarmMetrics(std::vector{before, tick, after}, frames, ScoreConfig{})
-        .first_sight_to_near_miss_s;
+    return MetricsOf({before, tick, after}, frames).first_sight_to_near_miss_s;
   };
   EXPECT_DOUBLE_EQ(*at_first_sight(0, 2), 4.25);
   EXPECT_FALSE(at_first_sight(2, 2));
@@ -123,11 +125,64 @@ TEST(SwarmMetrics, TracksArePureWhenTheyShowOneTarget) {
     frames.back().ranges->estimates[0].track_id = 5;
     frames.back().ranges->estimates.push_back(frames.back().ranges->estimates[0]);
   }
-  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics({}, frames, ScoreConfig{}).track_purity, 0.75);
+  EXPECT_DOUBLE_EQ(*MetricsOf({}, frames).track_purity, 0.75);
   frames.push_back(SeenFrame(9, TargetAhead(1, 10), 10));
   frames.back().detections->boxes[0] = StereoBox(Box(100, 100, 9, 9), Box(50, 100, 9, 9));
   frames.back().ranges->estimates[0].track_id = 6;
-  EXPECT_DOUBLE_EQ(*ComputeSwarmMetrics({}, frames, ScoreConfig{}).track_purity, 0.8);
+  EXPECT_DOUBLE_EQ(*MetricsOf({}, frames).track_purity, 0.8);
+}
+
+/// 5 s of aircraft 0 at 2 m/s, 5.5 m before aircraft 1, which stands; the guard acts in the first
+/// `n_guarded` of 50 ticks.
+RunRecord GuardedFlight(double wish_mps, int n_guarded) {
+  RunRecord run = Flight({});
+  run.scenario.swarm.guard.enabled = true;
+  run.scenario.aircraft.resize(2);
+  run.scenario.aircraft[0].self.controller = Controller::kSwarm;
+  run.scenario.aircraft[1].self.id = 1;
+  for (int k = 0; k < 50; ++k) {
+    run.world.push_back(World({Uav(0, 0, 2), Uav(1, 5.5)}, UtimeOfTick(k, 10)));
+    for (int id : {0, 1}) {
+      velocity_command_t command{};
+      command.utime = UtimeOfTick(k, 10);
+      command.id = id;
+      command.wish_WB_mps[0] = wish_mps;
+      command.is_guarded = k < n_guarded ? 1 : 0;
+      run.commands.push_back(command);
+    }
+  }
+  return run;
+}
+
+// At 2 m/s it needs 5.58 m (tests/eval/braking_test.cc), so all 20 brakes are right and 30 missing;
+// at 0.1 m/s none is needed. Aircraft 1 does not fly by the swarm's law.
+TEST(SwarmMetrics, BrakesAreFalseWithoutNeedAndMissedWithIt) {
+  const auto metrics = [](const RunRecord& run) {
+    return ComputeSwarmMetrics(run, SwarmTicks(run));
+  };
+  const SwarmMetrics needed = metrics(GuardedFlight(2, 20));
+  EXPECT_DOUBLE_EQ(*needed.guarded, 0.4);
+  EXPECT_DOUBLE_EQ(*needed.false_brakes, 0);
+  EXPECT_DOUBLE_EQ(*needed.missed_brakes, 0.6);
+  const SwarmMetrics needless = metrics(GuardedFlight(0.1, 20));
+  EXPECT_DOUBLE_EQ(*needless.guarded, 0.4);
+  EXPECT_DOUBLE_EQ(*needless.false_brakes, 0.4);
+  EXPECT_DOUBLE_EQ(*needless.missed_brakes, 0);
+  EXPECT_EQ(SwarmTicks(GuardedFlight(2, 20))[3].braking.commands, 1);
+  RunRecord unguarded = GuardedFlight(2, 20);
+  unguarded.scenario.swarm.guard.enabled = false;
+  EXPECT_FALSE(metrics(unguarded).false_brakes);
+}
+
+// Two blocks of 2.5 s, guarded in the first alone: 0.8 and 0. Half of the resamples of two blocks
+// draw both, so the interval reaches from one to the other.
+TEST(SwarmMetrics, MeansOfTicksHaveIntervals) {
+  const RunRecord run = GuardedFlight(2, 20);
+  const SwarmMetrics metrics = ComputeSwarmMetrics(run, SwarmTicks(run));
+  EXPECT_DOUBLE_EQ(metrics.ci95.at("guarded")[0], 0);
+  EXPECT_DOUBLE_EQ(metrics.ci95.at("guarded")[1], 0.8);
+  EXPECT_EQ(metrics.ci95.count("min_separation_m"), 0u);
+  EXPECT_EQ(metrics.ci95.count("connectivity"), 0u) << "no frames";
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ TEST_F(ProcessesTest, AShortRunPassesAndLeavesEverything) {
   EXPECT_EQ(run.Wait(), 0) << run.Err();
   EXPECT_THAT(run.Out(), HasSubstr("verdict: pass"));
   for (const char* name :
-       {"resolved.yaml", "manifest.json", "run.lcm", "estimates.csv", "score.json", "junit.xml",
+       {"resolved.yaml", "manifest.json", "run.lcm", "estimates.csv", "swarm.csv", "score.json", "junit.xml",
         "report.html", "timing.json", "logs/hub.log", "logs/sim.log", "logs/render-0.log",
         "logs/estimator-0.log", "logs/swarm-0.log"}) {
     EXPECT_TRUE(fs::exists(Dir("a") / name)) << name;

@@ -445,6 +445,9 @@ TEST(FlockController, SaysWhenTheGuardOverrulesItsLaw) {
     for (int i = 0; i < 75; ++i) {
       const velocity_command_t command = controller.Control(own.nav, Sight(own, other, config));
       n_guarded += command.is_guarded;
+      if (i > 1) {  // Before, it knows of no other and flies slowly.
+        EXPECT_NEAR(command.wish_WB_mps[0], 1.5, 1e-12);
+      }
       own.Fly(command);
       if (i < 10) {
         EXPECT_EQ(n_guarded, 0) << "far away";
