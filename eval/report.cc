@@ -10,6 +10,7 @@
 #include "eval/report_flight.h"
 #include "eval/report_frames.h"
 #include "eval/report_style.h"
+#include "eval/report_view.h"
 #include "eval/text_file.h"
 
 namespace windhover {
@@ -112,6 +113,11 @@ std::string MethodsTable(const Evaluation& evaluation) {
          "“Shared”: Abs Rel over the frames that every method answers.</p>\n";
 }
 
+std::string SeenHtml(const Evaluation& evaluation, const std::filesystem::path& frames_dir) {
+  const std::string seen = ObserverView(evaluation.run) + FramesHtml(evaluation, frames_dir);
+  return seen.empty() ? "" : "<div class=\"frames\">\n" + seen + "</div>\n";
+}
+
 std::string SwarmTable(const SwarmMetrics& swarm) {
   if (!swarm.min_separation_m) return "";
   std::string html = Tile(Number(swarm.min_separation_m, "{:.2f} m"), "smallest separation");
@@ -208,7 +214,7 @@ void WriteReport(const Evaluation& evaluation, const std::filesystem::path& dir)
   html += Section("Methods", MethodsTable(evaluation));
   html += Section("Error by distance", ErrorByDistanceChart(evaluation));
   html += Section("Distance over time", RangeOverTimeCharts(evaluation));
-  html += Section("Frames", FramesHtml(evaluation, dir / "frames"));
+  html += Section("What was seen", SeenHtml(evaluation, dir / "frames"));
   html += Section("Swarm", SwarmTable(evaluation.swarm) + SeparationChart(evaluation.run));
   html += Section("Flight", FlightViews(evaluation.run));
   html += Section("Scenario", ScenarioList(evaluation));

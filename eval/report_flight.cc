@@ -182,10 +182,14 @@ std::string ViewSvg(const RunRecord& run, const Approach& closest, const View& v
 
 }  // namespace
 
+double ReplayDuration_s(Utime first, Utime last) {
+  return std::clamp(SecondsFromUtime(last - first), 0.1, kLongest_s);
+}
+
 std::string FlightViews(const RunRecord& run) {
   if (!CanBeDrawn(run)) return "";
   const double flight_s = SecondsFromUtime(run.world.back().utime - run.world.front().utime);
-  const double duration_s = std::clamp(flight_s, 0.1, kLongest_s);
+  const double duration_s = ReplayDuration_s(run.world.front().utime, run.world.back().utime);
   const Approach closest = ClosestOf(run);
   const View top = FitView(run, 0, 1);
   const Vector3d extent_m = top.high_m - top.low_m;

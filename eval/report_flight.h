@@ -6,6 +6,9 @@
 
 namespace windhover {
 
+/// How long a replay takes in the report: as long as the flight, but no more than 20 s.
+double ReplayDuration_s(Utime first, Utime last);
+
 /// The flight from above and from one side, with aircraft that move along their paths, and where
 /// two of them came closest; inline <svg>. Empty without a tick.
 std::string FlightViews(const RunRecord& run);

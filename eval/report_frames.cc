@@ -31,12 +31,19 @@ std::optional<Picture> PictureNamed(const std::filesystem::path& file) {
                  std::stoi(match[2]), match[3] == "left"};
 }
 
+/// Those of the first aircraft that has any, in order of time.
 std::vector<Picture> FindPictures(const std::filesystem::path& frames_dir) {
   std::vector<Picture> pictures;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(frames_dir, ignored)) {
     if (const auto picture = PictureNamed(entry.path())) pictures.push_back(*picture);
   }
+  const auto first = std::min_element(
+      pictures.begin(), pictures.end(),
+      [](const Picture& a, const Picture& b) { return a.observer_id < b.observer_id; });
+  if (first == pictures.end()) return {};
+  const int first_id = first->observer_id;
+  std::erase_if(pictures, [&](const Picture& picture) { return picture.observer_id != first_id; });
   std::sort(pictures.begin(), pictures.end(),
             [](const Picture& a, const Picture& b) { return a.file < b.file; });
   std::stable_sort(pictures.begin(), pictures.end(),
@@ -109,7 +116,7 @@ std::string FramesHtml(const Evaluation& evaluation, const std::filesystem::path
     // Spread over the flight.
     html += PictureHtml(evaluation.run, pictures[i * pictures.size() / n]);
   }
-  return "<div class=\"frames\">\n" + html + "</div>\n";
+  return html;
 }
 
 }  // namespace windhover

@@ -55,6 +55,7 @@ svg.chart text { fill: var(--soft); font-size: 12.5px; font-family: inherit; }
 .frames figure { margin: 0; } .frames figcaption { font-weight: 400; color: var(--soft); font-size: 13px; }
 svg.frame { width: 100%; height: auto; border-radius: 6px; display: block; }
 .truth-box { fill: none; stroke: #ffffff; stroke-width: 3; stroke-dasharray: 12 7; }
+.no-picture { fill: #46505c; } .box-label { fill: #fff; font-size: 34px; }
 .detected-box { fill: none; stroke: #e69f00; stroke-width: 4; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 4px 18px; margin: 0; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }

@@ -9,6 +9,7 @@
 #include "eval/evaluation.h"
 #include "eval/report_flight.h"
 #include "eval/report_frames.h"
+#include "eval/report_view.h"
 #include "eval/svg_chart.h"
 #include "tests/eval/flight_fixture.h"
 #include "tests/support/temporary_folder.h"
@@ -105,6 +106,7 @@ TEST_F(ReportTest, OfAnEmptyRunIsStillAReport) {
 
 TEST_F(ReportTest, EmbedsPicturesWithTheirBoxes) {
   folder_.Write("frames/100000_0_left.png", "picture");
+  folder_.Write("frames/100000_2_left.png", "of another aircraft");
   folder_.Write("frames/notes.txt", "text");
   RunRecord run = RecedingTarget();
   run.frames[1].truth.targets[0].left.visible = Box(99.5, 49.5, 40, 20);
@@ -112,6 +114,7 @@ TEST_F(ReportTest, EmbedsPicturesWithTheirBoxes) {
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,cGljdHVyZQ=="));
   EXPECT_THAT(html, HasSubstr("class=\"truth-box\" x=\"80.00\" y=\"40.00\" width=\"40.00\""));
   EXPECT_THAT(html, HasSubstr("t = 0.10 s"));
+  EXPECT_THAT(html, Not(HasSubstr(Base64("of another aircraft"))));
 }
 
 TEST(Base64, AgreesWithTheRfc) {  // RFC 4648, section 10.
@@ -136,6 +139,27 @@ TEST_F(ReportTest, ReferenceLineEndsWhereTheTargetIsOutOfView) {
   }
   EXPECT_THAT(Report(EvaluateRecord(Flight(frames))),
               ContainsRegex("class=\"line truth\" d=\"M[^M\"]*M[^M\"]*\""));
+}
+
+// Target 1 at (640, 360), 40 by 20 px; target 2 comes a tick later and is not detected. A third
+// tick has neither, and aircraft 5 sees more, which is not drawn.
+TEST(ObserverView, WorkedExample) {
+  std::vector frames = {
+      SeenFrame(0, TargetAhead(1, 10), 10), SeenFrame(100'000, TargetAhead(1, 10), 10),
+      MissedFrame(200'000, TargetAhead(1, 10)), SeenFrame(200'000, TargetAhead(9, 10), 10)};
+  frames[1].truth.targets.push_back(TargetAhead(2, 10, 300.5));
+  frames[2].truth.targets[0].left.visible.w_px = 0;
+  frames[3].observer_id = 5;
+  const std::string html = ObserverView(Flight(frames));
+  EXPECT_THAT(html, HasSubstr("attributeName=\"x\" dur=\"0.2s\" repeatCount=\"indefinite\" "
+                              "calcMode=\"discrete\" values=\"620;620;-9999\""));
+  EXPECT_THAT(html, HasSubstr("values=\"-9999;281;-9999\""));
+  EXPECT_THAT(html, ContainsRegex("detected-box[^\n]*values=\"40;40;0\""));
+  EXPECT_THAT(html, HasSubstr("<text class=\"box-label\" dy=\"-8\">2<"));
+  EXPECT_THAT(html, Not(HasSubstr(">9<")));
+  EXPECT_EQ(ObserverView(Flight({})), "");
+  frames[0].detections->boxes[0].left.x_px = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ObserverView(Flight(frames)), Not(HasSubstr("nan")));
 }
 
 uav_truth_t At(int id, double east_m, double north_m) {
