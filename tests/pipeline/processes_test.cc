@@ -16,6 +16,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string kWindhover = std::string(WINDHOVER_BIN_DIR) + "/windhover";
+const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/";
 // Long enough for a machine that does other things too.
 constexpr double kDeadline_s = 3;
 const std::string kDeadline = "execution.deadline_s=3";
@@ -91,9 +92,9 @@ TEST_F(ProcessesTest, AShortRunPassesAndLeavesEverything) {
   EXPECT_EQ(run.Wait(), 0) << run.Err();
   EXPECT_THAT(run.Out(), HasSubstr("verdict: pass"));
   for (const char* name :
-       {"resolved.yaml", "manifest.json", "run.lcm", "estimates.csv", "swarm.csv", "score.json", "junit.xml",
-        "report.html", "timing.json", "logs/hub.log", "logs/sim.log", "logs/render-0.log",
-        "logs/estimator-0.log", "logs/swarm-0.log"}) {
+       {"resolved.yaml", "manifest.json", "run.lcm", "estimates.csv", "swarm.csv", "score.json",
+        "junit.xml", "report.html", "timing.json", "logs/hub.log", "logs/sim.log",
+        "logs/render-0.log", "logs/estimator-0.log", "logs/swarm-0.log"}) {
     EXPECT_TRUE(fs::exists(Dir("a") / name)) << name;
   }
   const std::string manifest = TextOf(Dir("a") / "manifest.json");
@@ -117,6 +118,45 @@ TEST_F(ProcessesTest, TheLogIsTheSameHoweverItIsSpread) {
   EXPECT_EQ(HashOf("f", {"--isa", "avx2"}), hash);
   EXPECT_EQ(HashOf("g", {"--frames", "shm"}), hash);
   EXPECT_NE(HashOf("e", {"--seed", "2"}), hash);
+}
+
+// Twelve aircraft in gusts, with a rig each, noisy boxes and vibration.
+TEST_F(ProcessesTest, TheLogOfASwarmIsTheSameHoweverItIsSpread) {
+  const auto hash_of = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {kWindhover,
+                                      "run",
+                                      kScenarios + "flock_12_wind.yaml",
+                                      "--no-report",
+                                      "--out",
+                                      Dir(name),
+                                      "--observe",
+                                      "geometric",
+                                      "--set",
+                                      "vibration.source=rotors",
+                                      "--set",
+                                      "geometric.sigma_px=1",
+                                      "--set",
+                                      "duration_s=2"};
+    words.insert(words.end(), more.begin(), more.end());
+    Program run(words);
+    EXPECT_EQ(run.Wait(), 0) << run.Err();
+    return Sha256OfFile(Dir(name) / "run.lcm");
+  };
+  const std::string hash = hash_of("a", {"--threads", "1"});
+  EXPECT_EQ(hash_of("b", {"--bus", "tcpq"}), hash);
+  EXPECT_EQ(
+      hash_of("c", {"--bus", "tcpq", "--set", "execution.render_processes=2", "--set",
+                    "execution.estimator_processes=3", "--set", "execution.swarm_processes=5"}),
+      hash);
+  EXPECT_NE(hash_of("d", {"--seed", "2"}), hash);
+}
+
+TEST_F(ProcessesTest, ShippedSwarmsPassTheirGates) {
+  for (const char* name : {"crossing_pair", "head_on_swarm", "flock_6", "flock_12_wind"}) {
+    Program run(
+        {kWindhover, "run", kScenarios + name + ".yaml", "--no-report", "--out", Dir(name)});
+    EXPECT_EQ(run.Wait(), 0) << name << run.Out() << run.Err();
+  }
 }
 
 TEST_F(ProcessesTest, ALogHoldsThePixelsHoweverTheyTravel) {
