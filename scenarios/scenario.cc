@@ -9,6 +9,7 @@
 #include "rig/fitted_box_noise.h"
 #include "scenarios/randomize.h"
 #include "scenarios/scenario_rules.h"
+#include "scenarios/scenario_tree.h"
 
 namespace windhover {
 namespace {
@@ -38,30 +39,38 @@ AircraftConfig Scenario::ForAircraft() const {
   return config;
 }
 
-Scenario LoadUndrawnScenario(const std::filesystem::path& file,
-                             const std::vector<std::string>& overrides) {
-  ConfigNode root = LoadConfigTree(file);
-  for (std::size_t i = 0; i < overrides.size(); ++i) {
-    ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
-  }
+Scenario UndrawnScenarioOf(const ConfigNode& root, const std::vector<std::string>& held_keys) {
   Scenario scenario = ReadScenario(root, InputFiles::kMustExist);
   if (scenario.geometric.noise == BoxNoiseSource::kFitted) {
     scenario.geometric = ReadFittedBoxNoise(scenario.estimator.detector_model);
   }
   std::erase_if(scenario.randomize, [&](const RandomizedKey& randomized) {
-    return std::any_of(overrides.begin(), overrides.end(), [&](const std::string& set) {
-      return set.starts_with(randomized.key + "=");
-    });
+    return std::find(held_keys.begin(), held_keys.end(), randomized.key) != held_keys.end();
   });
   return scenario;
 }
 
-Scenario LoadScenario(const std::filesystem::path& file,
-                      const std::vector<std::string>& overrides) {
-  const Scenario scenario = Drawn(LoadUndrawnScenario(file, overrides));
+Scenario DrawnAndChecked(Scenario undrawn) {
+  const Scenario scenario = Drawn(std::move(undrawn));
   // What is wrong inside the file of the vibration comes out here, before any process starts.
   MakeBaseVibration(scenario.vibration, scenario.random_seed, "");
   return scenario;
+}
+
+Scenario LoadUndrawnScenario(const std::filesystem::path& file,
+                             const std::vector<std::string>& overrides) {
+  ConfigNode root = LoadConfigTree(file);
+  std::vector<std::string> held_keys;
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    ApplyOverride(root, overrides[i], static_cast<int>(i) + 1);
+    held_keys.push_back(overrides[i].substr(0, overrides[i].find('=')));
+  }
+  return UndrawnScenarioOf(root, held_keys);
+}
+
+Scenario LoadScenario(const std::filesystem::path& file,
+                      const std::vector<std::string>& overrides) {
+  return DrawnAndChecked(LoadUndrawnScenario(file, overrides));
 }
 
 Scenario ScenarioFromYaml(const std::string& resolved_yaml, const std::string& name) {

@@ -38,17 +38,14 @@ std::string ReadText(const fs::path& file, const std::string& where) {
 // Takes `extends` out of a tree; returns the file it names, or "" where there is none.
 fs::path TakeExtends(ConfigNode& root, const fs::path& folder, std::string* where) {
   if (!root.IsMap()) return {};
-  const auto it = std::find_if(root.entries.begin(), root.entries.end(),
-                               [](const auto& entry) { return entry.key == "extends"; });
-  if (it == root.entries.end()) return {};
-  *where = it->value.where.ToString() + ": extends";
-  if (!it->value.IsScalar() || it->value.scalar.empty()) {
+  if (root.Find("extends") == nullptr) return {};
+  const ConfigNode extends = TakeNode(root, "extends");
+  *where = extends.where.ToString() + ": extends";
+  if (!extends.IsScalar() || extends.scalar.empty()) {
     throw ConfigError(
-        fmt::format("{}: must be the name of a file (found {})", *where, it->value.Found()));
+        fmt::format("{}: must be the name of a file (found {})", *where, extends.Found()));
   }
-  const fs::path base = (folder / it->value.scalar).lexically_normal();
-  root.entries.erase(it);
-  return base;
+  return (folder / extends.scalar).lexically_normal();
 }
 
 ConfigNode LoadChain(const fs::path& file, const std::string& where, std::vector<fs::path> chain) {
@@ -105,6 +102,22 @@ ConfigNode& Descend(ConfigNode& node, const std::string& part, const SourceLocat
 
 ConfigNode LoadConfigTree(const fs::path& file) { return LoadChain(file, file.string(), {}); }
 
+void SetNode(ConfigNode& root, const std::string& path, const SourceLocation& where,
+             const ConfigNode& value) {
+  ConfigNode* node = &root;
+  for (const std::string& part : SplitPath(path)) node = &Descend(*node, part, where, path);
+  MergeInto(*node, value);
+}
+
+ConfigNode TakeNode(ConfigNode& root, const std::string& key) {
+  const auto it = std::find_if(root.entries.begin(), root.entries.end(),
+                               [&](const auto& entry) { return entry.key == key; });
+  if (it == root.entries.end()) return {};
+  ConfigNode value = std::move(it->value);
+  root.entries.erase(it);
+  return value;
+}
+
 void ApplyOverride(ConfigNode& root, const std::string& assignment, int ordinal) {
   const auto source =
       std::make_shared<const ConfigSource>(ConfigSource{"--set", fs::current_path()});
@@ -119,9 +132,7 @@ void ApplyOverride(ConfigNode& root, const std::string& assignment, int ordinal)
   const std::string padding(static_cast<std::size_t>(ordinal) - 1, '\n');
   const std::string indent(equals + 1, ' ');
   const ConfigNode value = ParseYaml(padding + indent + assignment.substr(equals + 1), *source);
-  ConfigNode* node = &root;
-  for (const std::string& part : SplitPath(path)) node = &Descend(*node, part, where, path);
-  MergeInto(*node, value);
+  SetNode(root, path, where, value);
 }
 
 }  // namespace windhover
