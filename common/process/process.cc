@@ -27,16 +27,9 @@ void CatchSignals() {
   std::signal(SIGPIPE, SIG_IGN);  // A closed socket is an error of the write, not of the process.
 }
 
-ProcessShare ShareFromText(const std::string& text) {
-  ProcessShare share;
-  const char* end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, share.index);
-  const bool has_count = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
-  const auto count = has_count ? std::from_chars(index.ptr + 1, end, share.count) : index;
-  if (has_count && count.ec == std::errc() && count.ptr == end && share.index >= 0 &&
-      share.index < share.count) {
-    return share;
-  }
+ProcessShare CheckedShare(const std::string& text) {
+  const auto share = ShareFromText(text);
+  if (share) return *share;
   throw CLI::ValidationError("--share", "must be i/n with 0 <= i < n (found '" + text + "')");
 }
 
@@ -48,7 +41,7 @@ void AddProcessOptions(CLI::App& app, ProcessArgs* args) {
   app.add_option("--run-dir", args->run_dir, "folder of the run");
   app.add_option("--run-id", args->run_id, "nonce of the run; 0: the first one heard");
   app.add_option_function<std::string>(
-      "--share", [args](const std::string& text) { args->share = ShareFromText(text); },
+      "--share", [args](const std::string& text) { args->share = CheckedShare(text); },
       "i/n: serve every n-th aircraft, from the i-th");
   app.add_option("--threads", args->threads, "threads to work with")->check(CLI::Range(1, 1024));
   app.add_option("--record", args->record, "which pixels the log keeps")
@@ -66,6 +59,17 @@ void PrintErrors(const std::string& program, const std::string& what) {
 }
 
 }  // namespace
+
+std::optional<ProcessShare> ShareFromText(const std::string& text) {
+  ProcessShare share;
+  const char* end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, share.index);
+  if (index.ec != std::errc() || index.ptr == end || *index.ptr != '/') return std::nullopt;
+  const auto count = std::from_chars(index.ptr + 1, end, share.count);
+  if (count.ec != std::errc() || count.ptr != end) return std::nullopt;
+  if (share.index < 0 || share.index >= share.count) return std::nullopt;
+  return share;
+}
 
 bool StopRequested() { return stop_requested != 0; }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -18,6 +19,9 @@ struct ProcessShare {
   /// `position`: of the aircraft in the scenario's list sorted by id.
   bool Owns(int position) const { return position % count == index; }
 };
+
+/// "i/n" with 0 <= i < n; nothing if the text is something else.
+std::optional<ProcessShare> ShareFromText(const std::string& text);
 
 /// What every process of a run is told on its command line.
 struct ProcessArgs {
