@@ -9,7 +9,7 @@
 #include "eval/report_charts.h"
 #include "eval/report_flight.h"
 #include "eval/report_frames.h"
-#include "eval/report_style.h"
+#include "eval/report_parts.h"
 #include "eval/report_view.h"
 #include "eval/text_file.h"
 
@@ -21,16 +21,6 @@ using Json = nlohmann::ordered_json;
 std::string Number(const std::optional<double>& number, const char* format = "{:.4g}") {
   if (!number || !std::isfinite(*number)) return "–";
   return fmt::format(fmt::runtime(format), *number);
-}
-
-std::string Section(const std::string& title, const std::string& body) {
-  if (body.empty()) return "";
-  return fmt::format("<section><h2>{}</h2>\n{}</section>\n", title, body);
-}
-
-std::string Tile(const std::string& value, const std::string& label) {
-  return fmt::format("<div class=\"tile\"><b>{}</b><span>{}</span></div>\n", XmlEscaped(value),
-                     XmlEscaped(label));
 }
 
 std::string Banner(const Evaluation& evaluation) {
@@ -48,19 +38,21 @@ std::string Tiles(const Evaluation& evaluation) {
   const Scenario& scenario = evaluation.run.scenario;
   const auto n_pass = std::count_if(evaluation.gates.begin(), evaluation.gates.end(),
                                     [](const GateResult& gate) { return gate.pass; });
-  std::string html = Tile(fmt::format("{} / {}", n_pass, evaluation.gates.size()), "gates passed");
-  html += Tile(fmt::format("{} / {}", evaluation.frames.received, evaluation.frames.sent),
-               "stereo frames answered");
-  html +=
-      Tile(fmt::format("{}", evaluation.targets.frames.size()), "targets in view of both cameras");
-  html += Tile(fmt::format("{}", evaluation.targets.false_detections), "false detections");
+  std::string html =
+      ReportTile(fmt::format("{} / {}", n_pass, evaluation.gates.size()), "gates passed");
+  html += ReportTile(fmt::format("{} / {}", evaluation.frames.received, evaluation.frames.sent),
+                     "stereo frames answered");
+  html += ReportTile(fmt::format("{}", evaluation.targets.frames.size()),
+                     "targets in view of both cameras");
+  html += ReportTile(fmt::format("{}", evaluation.targets.false_detections), "false detections");
   for (const MethodScore& method : evaluation.methods) {
     if (method.method != scenario.estimator.in_loop) continue;
-    html += Tile(Number(method.all.abs_rel_all, "{:.3f}"),
-                 "error of " + method.method + ", misses included");
+    html += ReportTile(Number(method.all.abs_rel_all, "{:.3f}"),
+                       "error of " + method.method + ", misses included");
   }
   if (evaluation.swarm.min_separation_m) {
-    html += Tile(Number(evaluation.swarm.min_separation_m, "{:.2f} m"), "smallest separation");
+    html +=
+        ReportTile(Number(evaluation.swarm.min_separation_m, "{:.2f} m"), "smallest separation");
   }
   return "<div class=\"tiles\">\n" + html + "</div>\n";
 }
@@ -120,13 +112,14 @@ std::string SeenHtml(const Evaluation& evaluation, const std::filesystem::path& 
 
 std::string SwarmTable(const SwarmMetrics& swarm) {
   if (!swarm.min_separation_m) return "";
-  std::string html = Tile(Number(swarm.min_separation_m, "{:.2f} m"), "smallest separation");
-  html += Tile(fmt::format("{}", *swarm.collisions), "collisions");
-  html += Tile(fmt::format("{}", *swarm.near_misses), "near misses");
-  html += Tile(Number(swarm.order, "{:.2f}"), "order of headings");
-  html += Tile(Number(swarm.connectivity, "{:.2f}"), "connectivity by sight");
-  if (swarm.false_brakes) html += Tile(Number(swarm.false_brakes, "{:.3f}"), "false brakes");
-  if (swarm.missed_brakes) html += Tile(Number(swarm.missed_brakes, "{:.3f}"), "missed brakes");
+  std::string html = ReportTile(Number(swarm.min_separation_m, "{:.2f} m"), "smallest separation");
+  html += ReportTile(fmt::format("{}", *swarm.collisions), "collisions");
+  html += ReportTile(fmt::format("{}", *swarm.near_misses), "near misses");
+  html += ReportTile(Number(swarm.order, "{:.2f}"), "order of headings");
+  html += ReportTile(Number(swarm.connectivity, "{:.2f}"), "connectivity by sight");
+  if (swarm.false_brakes) html += ReportTile(Number(swarm.false_brakes, "{:.3f}"), "false brakes");
+  if (swarm.missed_brakes)
+    html += ReportTile(Number(swarm.missed_brakes, "{:.3f}"), "missed brakes");
   return "<div class=\"tiles\">\n" + html + "</div>\n";
 }
 
@@ -204,23 +197,18 @@ std::string Provenance(const Evaluation& evaluation) {
 
 void WriteReport(const Evaluation& evaluation, const std::filesystem::path& dir) {
   const std::string title = XmlEscaped(evaluation.run.scenario.description);
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">" +
-      fmt::format("<title>{}: {}</title><style>{}</style></head><body>\n", evaluation.verdict,
-                  title, kReportStyle);
-  html += Banner(evaluation) + Tiles(evaluation);
-  html += Section("Gates", GatesTable(evaluation));
-  html += Section("Methods", MethodsTable(evaluation));
-  html += Section("Error by distance", ErrorByDistanceChart(evaluation));
-  html += Section("Distance over time", RangeOverTimeCharts(evaluation));
-  html += Section("What was seen", SeenHtml(evaluation, dir / "frames"));
-  html += Section("Swarm", SwarmTable(evaluation.swarm) + SeparationChart(evaluation.run));
-  html += Section("Flight", FlightViews(evaluation.run));
-  html += Section("Scenario", ScenarioList(evaluation));
-  html += Section("Timing (wall clock)", TimingHtml(evaluation.timing));
-  html += Section("Provenance", Provenance(evaluation));
-  ReplaceFile(dir / "report.html", html + "</body></html>\n");
+  std::string html = Banner(evaluation) + Tiles(evaluation);
+  html += ReportSection("Gates", GatesTable(evaluation));
+  html += ReportSection("Methods", MethodsTable(evaluation));
+  html += ReportSection("Error by distance", ErrorByDistanceChart(evaluation));
+  html += ReportSection("Distance over time", RangeOverTimeCharts(evaluation));
+  html += ReportSection("What was seen", SeenHtml(evaluation, dir / "frames"));
+  html += ReportSection("Swarm", SwarmTable(evaluation.swarm) + SeparationChart(evaluation.run));
+  html += ReportSection("Flight", FlightViews(evaluation.run));
+  html += ReportSection("Scenario", ScenarioList(evaluation));
+  html += ReportSection("Timing (wall clock)", TimingHtml(evaluation.timing));
+  html += ReportSection("Provenance", Provenance(evaluation));
+  ReplaceFile(dir / "report.html", ReportPage(evaluation.verdict + ": " + title, html));
 }
 
 }  // namespace windhover

@@ -36,12 +36,29 @@ std::string KeysOf(const Json& object) {
   return keys;
 }
 
+/// The bin of a list by distance that begins at `from_m`; null if it has no frames.
+const Json* BinFrom(const Json& bins, const std::string& from_m) {
+  for (const Json& bin : bins) {
+    if (bin.is_object() && bin.contains("from_m") &&
+        fmt::format("{:g}", bin["from_m"].get<double>()) == from_m) {
+      return &bin;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 FoundMetric FindMetric(const Json& score, const std::string& path) {
   const Json* at = &score;
   FoundMetric found;
   for (const std::string& key : SplitPath(path)) {
+    if (at->is_array()) {
+      at = BinFrom(*at, key);
+      if (at != nullptr) continue;
+      found.problem = fmt::format("there is nothing to judge: no frames from {} m on", key);
+      return found;
+    }
     if (!at->is_object() || !at->contains(key)) {
       found.problem = fmt::format("there is no metric '{}': no '{}'", path, key);
       if (at->is_object()) found.problem += fmt::format(" among {}", KeysOf(*at));

@@ -5,7 +5,7 @@
 #include "common/config/enum_name.h"
 #include "common/file/whole_file.h"
 #include "eval/evaluation.h"
-#include "eval/text_file.h"
+#include "eval/junit.h"
 
 namespace windhover {
 namespace {
@@ -38,22 +38,6 @@ std::string Row(const TargetFrame& frame, const std::string& observe, const std:
   // In lock-step an estimate carries the time of its frame: simulated latency is 0.
   row += estimate ? fmt::format(",{},0\n", estimate->n_stages) : ",,\n";
   return row;
-}
-
-std::string TestCase(const std::string& name, const std::string& failure) {
-  const std::string head =
-      fmt::format("  <testcase classname=\"windhover\" name=\"{}\"", XmlEscaped(name));
-  if (failure.empty()) return head + "/>\n";
-  return head +
-         fmt::format(">\n    <failure message=\"{}\"/>\n  </testcase>\n", XmlEscaped(failure));
-}
-
-std::string TestSuite(const std::string& name, const std::string& cases, std::size_t n_cases,
-                      std::size_t n_failures) {
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\">\n{}</testsuite>\n",
-      XmlEscaped(name), n_cases, n_failures, cases);
 }
 
 }  // namespace
@@ -90,20 +74,15 @@ void WriteSwarmCsv(const Evaluation& evaluation, const std::filesystem::path& di
 
 void WriteJunit(const Evaluation& evaluation, const std::filesystem::path& dir) {
   const RunRecord& run = evaluation.run;
-  std::string cases =
-      TestCase("the run is valid", run.valid ? "" : "the run is INVALID: " + run.invalid_reason);
-  std::size_t n_failures = run.valid ? 0 : 1;
-  for (const GateResult& gate : evaluation.gates) {
-    cases += TestCase(gate.name, gate.message);
-    if (!gate.pass) ++n_failures;
-  }
   ReplaceFile(dir / "junit.xml",
-              TestSuite(run.scenario.description, cases, evaluation.gates.size() + 1, n_failures));
+              JunitXml(run.scenario.description, "the run is valid",
+                       run.valid ? "" : "the run is INVALID: " + run.invalid_reason,
+                       evaluation.gates));
 }
 
 void WriteJunitOfDeadRun(const std::string& reason, const std::filesystem::path& dir) {
-  const std::string failing = TestCase("the run is valid", "the run is INVALID: " + reason);
-  ReplaceFile(dir / "junit.xml", TestSuite("windhover", failing, 1, 1));
+  ReplaceFile(dir / "junit.xml",
+              JunitXml("windhover", "the run is valid", "the run is INVALID: " + reason, {}));
 }
 
 }  // namespace windhover

@@ -13,7 +13,10 @@ using ::testing::HasSubstr;
 const nlohmann::ordered_json kScore = nlohmann::ordered_json::parse(R"({
   "methods": {
     "baseline": {"n": 100, "abs_rel": 0.05, "nees": null, "ci95": {"abs_rel": [0.04, 0.07]},
-                 "lt20": {"n": 0, "detected": 0}}},
+                 "lt20": {"n": 0, "detected": 0},
+                 "by_distance": [{"from_m": 5, "n": 9, "abs_rel": 0.02},
+                                 {"from_m": 25, "n": 7, "abs_rel": 0.08,
+                                  "ci95": {"abs_rel": [0.06, 0.09]}}]}},
   "swarm": {"collisions": 0, "min_separation_m": 2.5}})");
 
 GateResult Judge(const Expectation& expectation) {
@@ -34,6 +37,14 @@ TEST(EvaluateGates, Upper95AndLower95LookAtTheInterval) {
   EXPECT_TRUE(Judge({.metric = "methods.baseline.abs_rel", .lower95 = 0.039}).pass);
   EXPECT_FALSE(Judge({.metric = "methods.baseline.abs_rel", .lower95 = 0.045}).pass);
   EXPECT_EQ(Judge({.metric = "methods.baseline.abs_rel", .upper95 = 0.06}).value, 0.07);
+}
+
+TEST(EvaluateGates, ABinByDistanceGoesByWhereItBegins) {
+  EXPECT_EQ(Judge({.metric = "methods.baseline.by_distance.25.abs_rel", .max = 1}).value, 0.08);
+  EXPECT_EQ(Judge({.metric = "methods.baseline.by_distance.25.abs_rel", .upper95 = 1}).value, 0.09);
+  const auto gate = Judge({.metric = "methods.baseline.by_distance.30.abs_rel", .max = 1});
+  EXPECT_FALSE(gate.pass);
+  EXPECT_THAT(gate.message, HasSubstr("no frames from 30 m on"));
 }
 
 TEST(EvaluateGates, SaysWhatFailed) {
