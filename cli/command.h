@@ -40,6 +40,7 @@ void AddSnapshotCommand(CLI::App& app, CommandAction* chosen);
 void AddDoctorCommand(CLI::App& app, CommandAction* chosen);
 void AddTrainCommand(CLI::App& app, CommandAction* chosen);
 void AddSpyCommand(CLI::App& app, CommandAction* chosen);
+void AddSweepCommand(CLI::App& app, CommandAction* chosen);
 
 // `train detector`, which another program does.
 void AddTrainDetectorCommand(CLI::App& train, CommandAction* chosen);

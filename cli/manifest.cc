@@ -107,6 +107,8 @@ Json MeanMs(const RunSummary& summary) {
 
 }  // namespace
 
+std::string BuildName() { return fmt::format("{} {}", WINDHOVER_VERSION, kGitHash); }
+
 Json Manifest(const Scenario& scenario, const RunOptions& options, const RunSummary& summary,
               const std::filesystem::path& run_dir) {
   Json manifest = {{"version", WINDHOVER_VERSION},

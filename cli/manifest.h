@@ -11,6 +11,9 @@
 
 namespace windhover {
 
+/// Version and commit of this program.
+std::string BuildName();
+
 /// The content of manifest.json: what ran, where, on which inputs, with which result. sha256 of
 /// run.lcm is that of the file now in `run_dir`.
 nlohmann::ordered_json Manifest(const Scenario& scenario, const RunOptions& options,

@@ -22,10 +22,11 @@ int main(int argc, char** argv) {
       "            4 environment missing, 130 interrupted.\n"
       "Example: windhover run scenarios/ideal_geometric.yaml");
   CommandAction chosen;
-  for (const auto add : {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand,
-                         AddScoreCommand, AddCompareCommand, AddBudgetCommand, AddReportCommand, AddReproduceCommand,
-                         AddExportCommand, AddImportCommand, AddTrainCommand, AddBenchCommand,
-                         AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
+  for (const auto add :
+       {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand, AddScoreCommand,
+        AddCompareCommand, AddSweepCommand, AddBudgetCommand, AddReportCommand,
+        AddReproduceCommand, AddExportCommand, AddImportCommand, AddTrainCommand, AddBenchCommand,
+        AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
     add(app, &chosen);
   }
   int exit_code = 0;

@@ -34,7 +34,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "network", "estimator",
       "eval"}},
     {"dataset", {"common", "camera", "rig", "scenarios", "lcmtypes", "sim", "render", "eval"}},
-    {"cli", {"common", "scenarios", "network", "eval", "budget", "dataset", "learn", "lcmtypes"}},
+    {"sweep", {"common", "scenarios", "eval"}},
+    {"cli",
+     {"common", "scenarios", "network", "eval", "budget", "dataset", "learn", "sweep", "lcmtypes"}},
 };
 
 // cli/in_process_run alone may include every node.

@@ -19,7 +19,7 @@ const std::string kScenarios = std::string(WINDHOVER_SOURCE_DIR) + "/scenarios/"
 TEST(Windhover, EveryCommandExplainsItselfWithAnExample) {
   for (const char* command :
        {"run", "bench", "export", "import", "mesh-info", "budget", "check", "keys", "replay",
-        "reproduce", "score", "compare", "report", "snapshot", "train", "doctor", "spy"}) {
+        "reproduce", "score", "compare", "report", "snapshot", "sweep", "train", "doctor", "spy"}) {
     SCOPED_TRACE(command);
     Program help({kWindhover, command, "--help"});
     EXPECT_EQ(help.Wait(), 0);
