@@ -23,6 +23,7 @@ enum ExitCode {
   kInterrupted = 130
 };
 
+void AddAdviseCommand(CLI::App& app, CommandAction* chosen);
 void AddBenchCommand(CLI::App& app, CommandAction* chosen);
 void AddBudgetCommand(CLI::App& app, CommandAction* chosen);
 void AddRunCommand(CLI::App& app, CommandAction* chosen);

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   CommandAction chosen;
   for (const auto add :
        {AddRunCommand, AddCheckCommand, AddKeysCommand, AddReplayCommand, AddScoreCommand,
-        AddCompareCommand, AddSweepCommand, AddBudgetCommand, AddReportCommand,
+        AddCompareCommand, AddSweepCommand, AddBudgetCommand, AddAdviseCommand, AddReportCommand,
         AddReproduceCommand, AddExportCommand, AddImportCommand, AddTrainCommand, AddBenchCommand,
         AddMeshInfoCommand, AddSnapshotCommand, AddDoctorCommand, AddSpyCommand}) {
     add(app, &chosen);
