@@ -87,8 +87,8 @@ void WriteFigures(const std::vector<Figure>& figures, const fs::path& folder) {
     const fs::path svg = folder / (figure.name + ".svg");
     ReplaceFile(svg, figure.svg);
     if (!has_converter) continue;
-    RunTool({"rsvg-convert", "--zoom", "2", "--output", (folder / (figure.name + ".png")).string(),
-             svg.string()},
+    RunTool({"rsvg-convert", "--zoom", "2", "--background-color", "white", "--output",
+             (folder / (figure.name + ".png")).string(), svg.string()},
             /*silent=*/true);
   }
 }

@@ -9,7 +9,7 @@
 namespace windhover {
 namespace {
 
-constexpr double kWidth = 720, kLeft = 250, kRight = 110, kTop = 44, kRow = 40, kBottom = 40;
+constexpr double kWidth = 800, kLeft = 310, kRight = 150, kTop = 44, kRow = 40, kBottom = 40;
 
 /// One bar of a row of horizontal bars.
 struct Bar {
