@@ -186,7 +186,7 @@ class ProcessRun {
     if (summary_.n_ticks == 0) first_tick_ = Clock::now();
     summary_.n_ticks = tick + 1;
     n_ticks_total_ = total;
-    progress_.Update(tick + 1, total);
+    if (!options_.quiet) progress_.Update(tick + 1, total);
   }
 
   // One process that was killed, or that stands still, explains everything else; then the hub;
