@@ -15,7 +15,7 @@ inline constexpr const char* kExplorer = R"html(
   const select = id => document.getElementById(id);
   const fill = (id, names) => names.forEach((name, i) => select(id).add(new Option(name, i)));
   fill('ex-metric', data.metrics); fill('ex-x', data.factors); fill('ex-colour', data.factors);
-  if (data.factors.length > 1) select('ex-colour').value = 1;
+  select('ex-x').value = data.factors.length - 1;
   const levelsOf = f => [...new Set(data.points.map(p => p[f]))];
   const isNumber = f => levelsOf(f).every(v => v !== '' && isFinite(v));
   const node = (name, attributes, text) => {
