@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string scenario = std::string(WINDHOVER_SCENARIOS_DIR) + "/presets/calibrated.yaml";
-  std::string out, state, from, refiner, labelled;
+  std::string out, state, from, first, labelled;
   double labelled_share = 0.5;
   std::vector<std::string> panoramas, photos;
   DetectorRecipe recipe;
@@ -39,6 +39,7 @@ struct Options {
   bool resume = false;
 };
 
+constexpr double kShareBesideMistakes = 0.5;  // Of samples that show an aircraft.
 constexpr int kSettlingSteps = 150;  // A running mean keeps 0.97 a batch: 1 % of what it was.
 
 bool IsRefiner(const Options& options) { return options.recipe.network == "yolox_refine"; }
@@ -61,6 +62,7 @@ std::string CommandOf(const Options& options) {
   for (const std::string& file : options.panoramas) command += " --panorama " + NameOf(file);
   for (const std::string& file : options.photos) command += " --photo " + NameOf(file);
   if (!options.from.empty()) command += " --from " + NameOf(options.from);
+  if (!options.first.empty()) command += " --first " + NameOf(options.first);
   if (!options.labelled.empty()) {
     command += fmt::format(" --labelled {} --labelled-share {}", FolderNameOf(options.labelled),
                            options.labelled_share);
@@ -83,11 +85,16 @@ PictureConfig PicturesOf(const Options& options) {
   return pictures;
 }
 
-std::unique_ptr<DetectorSampleSource> DrawnSource(const Options& options,
-                                                  const ReplayConfig& replay) {
+std::unique_ptr<DetectorSampleSource> DrawnSource(const Options& options, ReplayConfig replay) {
   const Scenario base = LoadDatasetBase(options.scenario, {});
-  return IsRefiner(options) ? MakeRefinementSource(base, PicturesOf(options), replay)
-                            : MakeDetectionSource(base, PicturesOf(options), replay);
+  if (!IsRefiner(options)) return MakeDetectionSource(base, PicturesOf(options), replay);
+  FindPlaces find;
+  if (!options.first.empty()) {
+    find = PlacesFoundBy(ReadWeights(ReadDetectorCard(options.first).detector,
+                                     fs::path(options.first).parent_path()));
+    replay.positive_share = kShareBesideMistakes;
+  }
+  return MakeRefinementSource(base, PicturesOf(options), replay, std::move(find));
 }
 
 std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options,
@@ -114,6 +121,9 @@ nlohmann::ordered_json DataOf(const Options& options) {
   if (!IsRefiner(options)) data["whole_every"] = options.whole_every;
   for (const auto* files : {&options.panoramas, &options.photos}) {
     for (const std::string& file : *files) data["backgrounds"].push_back(Sha256OfFile(file));
+  }
+  if (!options.first.empty()) {
+    data["first_sha256"] = ReadDetectorCard(options.first).detector.sha256;
   }
   if (!options.from.empty()) data["from_sha256"] = Sha256OfFile(options.from);
   if (!options.labelled.empty()) {
@@ -165,6 +175,18 @@ DetectorPlan PlanOf(const Options& options) {
   return plan;
 }
 
+// Another second look has other scores and errs in another way.
+void PutIntoFirst(const Options& options, const DetectorCard& refiner) {
+  DetectorCard first = ReadDetectorCard(options.first);
+  first.refiner = refiner.detector;
+  first.refiner_margin = kRefinementMargin;
+  first.box_noise = nullptr;
+  first.provenance.erase("box_noise");
+  first.provenance.erase("min_score");
+  first.provenance["refiner"] = CommandOf(options);
+  ReplaceFile(options.first, DetectorCardText(first));
+}
+
 void Write(const Options& options, const DetectorPlan& plan, const TrainedDetector& trained) {
   const YoloxNetwork network = MakeYolox(options.recipe.network);
   const fs::path onnx = fs::path(options.out).replace_extension(".onnx");
@@ -172,10 +194,6 @@ void Write(const Options& options, const DetectorPlan& plan, const TrainedDetect
   DetectorCard card;
   card.network = options.recipe.network;
   card.detector = {onnx.filename().string(), Sha256OfFile(onnx)};
-  if (!options.refiner.empty()) {
-    card.refiner = {NameOf(options.refiner), Sha256OfFile(options.refiner)};
-    card.refiner_margin = kRefinementMargin;
-  }
   card.provenance = {{"command", CommandOf(options)},
                      {"version", WINDHOVER_VERSION},
                      {"recipe", ToJson(options.recipe)},
@@ -185,6 +203,7 @@ void Write(const Options& options, const DetectorPlan& plan, const TrainedDetect
                      {"input_px", {network.width, network.height}},
                      {"parameters", ParameterCount(network.table)}};
   ReplaceFile(options.out, DetectorCardText(card));
+  if (!options.first.empty()) PutIntoFirst(options, card);
   fs::path curve = options.out;
   ReplaceFile(curve.replace_extension(".svg"), DetectorCurveSvg(trained.curve));
   std::cout << options.out << '\n';
@@ -203,7 +222,21 @@ TrainedDetector Train(const Options& options, const DetectorPlan& plan) {
   });
 }
 
+void Check(const Options& options) {
+  if (options.first.empty()) return;
+  if (!IsRefiner(options)) {
+    throw ConfigError(fmt::format("--first: must go with --network yolox_refine (found {})",
+                                  options.recipe.network));
+  }
+  const fs::path folder = fs::weakly_canonical(fs::absolute(options.out).parent_path());
+  if (folder != fs::canonical(fs::absolute(options.first).parent_path())) {
+    throw ConfigError(
+        fmt::format("--first: must be in the folder of --out (found {})", options.first));
+  }
+}
+
 int Main(const Options& options) {
+  Check(options);
   const DetectorPlan plan = PlanOf(options);
   if (fs::path(options.out).has_parent_path()) {
     fs::create_directories(fs::path(options.out).parent_path());
@@ -256,7 +289,9 @@ void AddOptions(CLI::App* app, Options* options) {
       ->check(CLI::ExistingFile);
   app->add_option("--photo", options->photos, "background besides the drawn ones")
       ->check(CLI::ExistingFile);
-  app->add_option("--refiner", options->refiner, ".onnx file beside the card: second stage")
+  app->add_option("--first", options->first,
+                  "for yolox_refine: card beside --out of the network before it, whose mistakes it "
+                  "learns from, too, and whose second stage it becomes")
       ->check(CLI::ExistingFile);
   app->add_option("--state", options->state, "where an unfinished training is kept; OUT.state");
   app->add_option("--minutes", options->minutes, "stop after so many; go on with --resume")

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kMaxOverlap = 0.5;  // Of two targets in one image: more is one seen twice.
 constexpr std::size_t kMaxTargets = 8;
-constexpr double kMinScoreAgain = 0.05;
+constexpr double kWorthALook = 0.05;  // Score of the first look, where there is a second.
+constexpr double kMinScoreAgain = 0.01;
 constexpr double kMinOverlapAgain = 0.2;  // With the first box, or it is another target.
 
 void CheckPair(const cv::Mat& left, const cv::Mat& right) {
@@ -27,16 +28,13 @@ void CheckPair(const cv::Mat& left, const cv::Mat& right) {
       left.cols, left.rows, right.cols, right.rows));
 }
 
-/// What both looks say of one target: the box of the second, and the geometric mean of their
-/// scores; 0 if the second sees none.
+/// What the second look says of a target of the first, with a score of 0 if it sees none.
 ScoredBox Confirmed(const ScoredBox& first, const std::vector<ScoredBox>& seen) {
-  const ScoredBox* best = nullptr;
+  ScoredBox best{first.box, 0};
   for (const ScoredBox& box : seen) {
-    if (OverlapOf(box.box, first.box) < kMinOverlapAgain) continue;
-    if (best == nullptr || box.score > best->score) best = &box;
+    if (box.score > best.score && OverlapOf(box.box, first.box) >= kMinOverlapAgain) best = box;
   }
-  if (best == nullptr) return {first.box, 0};
-  return {best->box, std::sqrt(first.score * best->score)};
+  return best;
 }
 
 /// Whether both images show one target twice: the second look may have moved to it from two
@@ -74,8 +72,7 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
   CheckPair(left_rgb, right_rgb);
   const InputWindow window = LetterboxWindow(left_rgb.size(), detector_.input());
   const std::array<BoxNetwork::View, 2> views = {{{left_rgb, window}, {right_rgb, window}}};
-  // The second look can raise a score to no more than the root of the first.
-  auto found = detector_.Find(views, refiner_ ? min_score * min_score : min_score);
+  auto found = detector_.Find(views, refiner_ ? kWorthALook : min_score);
   for (auto& boxes : found) boxes = WithoutDoubles(std::move(boxes), kMaxOverlap, kMaxTargets);
   return found;
 }
@@ -97,11 +94,11 @@ std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const c
   for (const auto& [i, k] : PairBoxes(found[0], found[1], left_rgb.size())) {
     ScoredBox left = found[0][i], right = found[1][k];
     LookAgain(left_rgb, right_rgb, &left, &right);
-    if (std::min(left.score, right.score) < min_score_) continue;
     stereo_box_t box{};
     box.left = left.box;
     box.right = right.box;
-    box.score = std::min(left.score, right.score);
+    box.score = std::sqrt(left.score * right.score);
+    if (box.score < min_score_) continue;
     boxes.push_back(box);
   }
   return BestFirst(std::move(boxes));

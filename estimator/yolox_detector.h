@@ -16,7 +16,8 @@ namespace windhover {
 /// Finds aircraft by what was learned: a network sees both whole images at a quarter of their
 /// resolution. What it finds in both, one beside the other, a second network sees at full
 /// resolution, a square around each box, and says again whether there is one and where its box is.
-/// A score is the geometric mean of both networks'. What one image alone shows is no detection.
+/// Its score is the second network's, the geometric mean of both images. What one image alone shows
+/// is no detection.
 class YoloxDetector final : public Detector {
  public:
   /// @param folder of the card, where its weights are.

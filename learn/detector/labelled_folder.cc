@@ -222,7 +222,7 @@ std::unique_ptr<DetectorSampleSource> MakeFolderSource(const std::vector<Labelle
       }
       constexpr int kRefinements = 12;
       RandomStream random(replay.seed, fmt::format("folder/{}", samples.size()));
-      auto more = RefinementSamples(picture, kRefinements, &random);
+      auto more = RefinementSamples(picture, kRefinements, {}, &random);
       std::move(more.begin(), more.end(), std::back_inserter(samples));
     }
   }

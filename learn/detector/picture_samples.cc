@@ -1,11 +1,14 @@
 #include "learn/detector/picture_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "learn/detector/crop.h"
+#include "network/box_network.h"
 #include "network/detector_input.h"
 
 namespace windhover {
@@ -13,8 +16,12 @@ namespace {
 
 constexpr double kMostHidden = 0.6, kMostOutside = 0.65;
 constexpr double kSmallest_px = 8;
-constexpr double kCentreError = 0.07, kSizeError = 0.15;  ///< Of the box.
+constexpr double kCentreError = 0.05, kSizeError = 0.13;  ///< Of the box.
 constexpr int kRefinements = 3;                           ///< Of a picture.
+constexpr double kLeastFound = 0.05, kMaxOverlap = 0.5;
+constexpr std::size_t kMostFound = 8;
+constexpr std::size_t kMostMistakes = 2;  ///< Of a picture with a target.
+constexpr double kOverlapOfTarget = 0.2;  ///< Less is no second look at it.
 
 DetectorSample SeenSample(const LabelledPicture& picture, const InputWindow& window) {
   DetectorSample sample{.rgb = SeenThrough(window, picture.rgb), .box = std::nullopt};
@@ -40,6 +47,24 @@ image_box_t AnyBox(const cv::Mat& rgb, RandomStream* random) {
   box.x_px = random->Uniform(0, rgb.cols);
   box.y_px = random->Uniform(0, rgb.rows);
   return box;
+}
+
+/// What a first network found in a picture.
+struct PlacesInPicture {
+  std::optional<image_box_t> of_target;  ///< The best one.
+  std::vector<image_box_t> elsewhere;
+};
+
+PlacesInPicture Sorted(const LabelledPicture& picture, std::span<const image_box_t> places) {
+  PlacesInPicture sorted;
+  for (const image_box_t& place : places) {
+    if (!picture.box || OverlapOf(place, *picture.box) < kOverlapOfTarget) {
+      sorted.elsewhere.push_back(place);
+    } else if (!sorted.of_target) {
+      sorted.of_target = place;
+    }
+  }
+  return sorted;
 }
 
 template <typename AddPicture>
@@ -72,16 +97,44 @@ DetectorSample WholeSample(const LabelledPicture& picture) {
                     LetterboxWindow(picture.rgb.size(), {kDetectorWidth_px, kDetectorHeight_px}));
 }
 
+FindPlaces PlacesFoundBy(const NetworkModel& first) {
+  const auto network = std::make_shared<BoxNetwork>(first, /*batch=*/1);
+  return [network](const cv::Mat& rgb) {
+    const std::array<BoxNetwork::View, 1> view = {
+        {{rgb, LetterboxWindow(rgb.size(), network->input())}}};
+    std::vector<image_box_t> places;
+    for (const ScoredBox& box :
+         WithoutDoubles(network->Find(view, kLeastFound)[0], kMaxOverlap, kMostFound)) {
+      places.push_back(box.box);
+    }
+    return places;
+  };
+}
+
 std::vector<DetectorSample> RefinementSamples(const LabelledPicture& picture, int n,
+                                              std::span<const image_box_t> places,
                                               RandomStream* random) {
+  const PlacesInPicture sorted = Sorted(picture, places);
   std::vector<DetectorSample> samples;
-  const cv::Size size(kRefinementSide_px, kRefinementSide_px);
-  for (int i = 0; i < n; ++i) {
-    const bool shows_box = picture.box && i + 1 < n;
-    const image_box_t found =
-        shows_box ? AsFound(*picture.box, random) : AnyBox(picture.rgb, random);
-    DetectorSample sample = SeenSample(picture, CropWindow(found, kRefinementMargin, size));
-    if (shows_box || !sample.box) samples.push_back(std::move(sample));
+  const auto look = [&](const image_box_t& found) {
+    const cv::Size size(kRefinementSide_px, kRefinementSide_px);
+    return SeenSample(picture, CropWindow(found, kRefinementMargin, size));
+  };
+  const auto n_shown = static_cast<std::size_t>(picture.box ? n - 1 : 0);
+  for (std::size_t i = 0; i < n_shown; ++i) {
+    const bool is_found = i == 0 && sorted.of_target;
+    samples.push_back(look(is_found ? *sorted.of_target : AsFound(*picture.box, random)));
+  }
+  const auto add_mistake = [&](const image_box_t& found) {
+    DetectorSample sample = look(found);
+    if (!sample.box) samples.push_back(std::move(sample));
+  };
+  const std::size_t most = picture.box ? n_shown + kMostMistakes : static_cast<std::size_t>(n);
+  for (const image_box_t& place : sorted.elsewhere) {
+    if (samples.size() < most) add_mistake(place);
+  }
+  for (auto i = samples.size(); i < static_cast<std::size_t>(n); ++i) {
+    add_mistake(AnyBox(picture.rgb, random));
   }
   return samples;
 }
@@ -99,17 +152,18 @@ std::unique_ptr<DetectorSampleSource> MakeDetectionSource(const Scenario& base,
 
 std::unique_ptr<DetectorSampleSource> MakeRefinementSource(const Scenario& base,
                                                            const PictureConfig& pictures,
-                                                           const ReplayConfig& replay) {
+                                                           const ReplayConfig& replay,
+                                                           FindPlaces find) {
   ReplayConfig crops = replay;
   crops.whole_every = 0;  // They are no parts of pictures.
-  return std::make_unique<ReplaySource>(
-      SceneMaker(base, pictures,
-                 [](const LabelledPicture& picture, RandomStream* random, auto* samples) {
-                   for (auto& one : RefinementSamples(picture, kRefinements, random)) {
-                     samples->push_back(std::move(one));
-                   }
-                 }),
-      crops);
+  const auto add = [find = std::move(find)](const LabelledPicture& picture, RandomStream* random,
+                                            auto* samples) {
+    const auto places = find ? find(picture.rgb) : std::vector<image_box_t>();
+    for (auto& one : RefinementSamples(picture, kRefinements, places, random)) {
+      samples->push_back(std::move(one));
+    }
+  };
+  return std::make_unique<ReplaySource>(SceneMaker(base, pictures, add), crops);
 }
 
 }  // namespace windhover

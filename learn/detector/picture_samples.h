@@ -1,11 +1,14 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "learn/detector/detector_sample.h"
 #include "learn/detector/picture_scene.h"
 #include "learn/detector/replay_source.h"
+#include "network/network_file.h"
 
 namespace windhover {
 
@@ -23,12 +26,21 @@ bool IsClear(const LabelledPicture& picture);
 /// The whole picture as the first network gets it.
 DetectorSample WholeSample(const LabelledPicture& picture);
 
+/// Where a first network takes something for an aircraft: boxes, px of the picture, best first.
+using FindPlaces = std::function<std::vector<image_box_t>(const cv::Mat& rgb)>;
+
+/// Those that score at least 0.05, eight at most.
+/// @throws std::runtime_error if no engine can run the network.
+FindPlaces PlacesFoundBy(const NetworkModel& first);
+
 /// What the second network gets around what the first found: around the target's box, displaced
-/// and scaled as that network errs (centre: 7 % of the size, size: 15 %, one standard deviation),
-/// and once around a place of any size that shows something else, unless that shows the target.
-/// Without a target, `n` such places.
-/// @return at most `n` of them.
+/// and scaled as that network errs (centre: 5 % of the size, size: 13 %, one standard deviation),
+/// or, once, as it did err; and around up to two places that it took for the target, or else once
+/// around a place of any size; none of these shows the target. Without a target, `n` such places.
+/// @param places what the first network found in the picture.
+/// @return at most `n` + 1 of them.
 std::vector<DetectorSample> RefinementSamples(const LabelledPicture& picture, int n,
+                                              std::span<const image_box_t> places,
                                               RandomStream* random);
 
 /// Endless training for the first network: crops of `replay.size` of the whole pictures, at most
@@ -38,8 +50,10 @@ std::unique_ptr<DetectorSampleSource> MakeDetectionSource(const Scenario& base,
                                                           const ReplayConfig& replay);
 
 /// Endless training for the second network; `replay.size` is its input's.
+/// @param find what errs as the first network does; may be nothing.
 std::unique_ptr<DetectorSampleSource> MakeRefinementSource(const Scenario& base,
                                                            const PictureConfig& pictures,
-                                                           const ReplayConfig& replay);
+                                                           const ReplayConfig& replay,
+                                                           FindPlaces find);
 
 }  // namespace windhover

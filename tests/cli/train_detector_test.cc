@@ -90,6 +90,40 @@ TEST(TrainDetector, GoesOnFromWeightsWithLabelledPictures) {
   }
 }
 
+TEST(TrainDetector, BecomesTheSecondStageOfTheFirst) {
+  const TemporaryFolder folder;
+  WritePictures(folder);
+  Program first = Train(folder, "yolox_small", "first.json", {});
+  ASSERT_EQ(first.Wait(), 0) << first.Err();
+  const std::string card = folder.path() / "first.json";
+  Program second = Train(folder, "yolox_refine", "second.json", {"--first", card});
+  ASSERT_EQ(second.Wait(), 0) << second.Err();
+  EXPECT_EQ(CardOf(folder, "first.json")["refiner"]["onnx"], "second.onnx");
+  EXPECT_EQ(CardOf(folder, "first.json")["refiner"]["sha256"],
+            CardOf(folder, "second.json")["detector"]["sha256"]);
+  EXPECT_THAT(CardOf(folder, "first.json")["provenance"]["refiner"].get<std::string>(),
+              HasSubstr("--network yolox_refine --steps 2 "));
+  EXPECT_EQ(CardOf(folder, "second.json")["provenance"]["data"]["first_sha256"],
+            CardOf(folder, "first.json")["detector"]["sha256"]);
+}
+
+TEST(TrainDetector, RefusesAFirstStageThatItCannotFollow) {
+  const TemporaryFolder folder;
+  const std::string card = folder.Write("first.json", "{}");
+  Program other(
+      {kWindhover, "train", "detector", "--out", folder.path() / "out.json", "--first", card});
+  EXPECT_EQ(other.Wait(), 2);
+  EXPECT_THAT(other.Err(), HasSubstr("--first: must go with --network yolox_refine (found "));
+  Program elsewhere({kWindhover, "train", "detector", "--network", "yolox_refine", "--out",
+                     folder.path() / "below/out.json", "--first", card});
+  EXPECT_EQ(elsewhere.Wait(), 2);
+  EXPECT_THAT(elsewhere.Err(), HasSubstr("--first: must be in the folder of --out (found "));
+  Program broken({kWindhover, "train", "detector", "--network", "yolox_refine", "--out",
+                  folder.path() / "out.json", "--first", card});
+  EXPECT_EQ(broken.Wait(), 2);
+  EXPECT_THAT(broken.Err(), HasSubstr("first.json: "));
+}
+
 TEST(TrainDetector, RefusesWrongLabelsBeforeItLearns) {
   const TemporaryFolder folder;
   WritePictures(folder);

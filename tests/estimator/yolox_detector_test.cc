@@ -107,17 +107,17 @@ TEST_F(YoloxDetectorTest, FindsWhatBothImagesShow) {
   }
 }
 
-// Of white the first says 1; the second σ(40 + bias) = 0.5 and σ(-2) = 0.119, of which the means
-// are 0.707 and 0.345, then σ(-4) = 0.018, too little to count.
-TEST_F(YoloxDetectorTest, SecondLookConfirms) {
+// Of white the first says 1; the second σ(40 + bias) = 0.5, σ(-0.5) = 0.378, then σ(-2) = 0.119, less
+// than the card's 0.3.
+TEST_F(YoloxDetectorTest, SecondLookDecides) {
   const cv::Mat left = Image(603, 363, 34), right = Image(513, 363, 34);
   const auto score = [&](float bias) {
     const auto boxes = YoloxDetector(Card(true, bias), folder_.path()).Detect(left, right);
     return boxes.empty() ? 0 : boxes[0].score;
   };
-  EXPECT_NEAR(score(-40), std::sqrt(0.5), 1e-4);
-  EXPECT_NEAR(score(-42), std::sqrt(1 / (1 + std::exp(2.0))), 1e-4);
-  EXPECT_EQ(score(-44), 0);
+  EXPECT_NEAR(score(-40), 0.5, 1e-4);
+  EXPECT_NEAR(score(-40.5), 1 / (1 + std::exp(0.5)), 1e-4);
+  EXPECT_EQ(score(-42), 0);
 }
 
 TEST_F(YoloxDetectorTest, OneImageAloneIsNoDetection) {

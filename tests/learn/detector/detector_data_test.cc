@@ -12,6 +12,7 @@
 #include "learn/detector/picture_samples.h"
 #include "learn/detector/picture_scene.h"
 #include "learn/detector/replay_source.h"
+#include "network/detector_input.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
@@ -295,7 +296,7 @@ TEST(PictureSamples, LooksAgainAroundTheTargetAndElsewhere) {
   RandomStream random(2, "refinement");
   int with_box = 0, without = 0;
   for (int i = 0; i < 50; ++i) {
-    for (const DetectorSample& sample : RefinementSamples(GreyPicture(), 3, &random)) {
+    for (const DetectorSample& sample : RefinementSamples(GreyPicture(), 3, {}, &random)) {
       ASSERT_EQ(sample.rgb.size(), cv::Size(128, 128));
       (sample.box ? with_box : without) += 1;
       if (!sample.box) continue;
@@ -311,6 +312,26 @@ TEST(PictureSamples, LooksAgainAroundTheTargetAndElsewhere) {
   }
   EXPECT_EQ(with_box, 100);
   EXPECT_GT(without, 10);
+}
+
+// Places: a mistake; one with 0.12 of the target, whose crop shows it; 0.53; two more mistakes.
+TEST(PictureSamples, LooksWhereTheFirstNetworkDid) {
+  RandomStream random(3, "places");
+  const std::vector<image_box_t> places = {Box(1100, 150, 60, 60), Box(459.5, 359.5, 200, 100),
+                                           Box(600, 340, 200, 150), Box(150, 600, 100, 40),
+                                           Box(1000, 650, 80, 80)};
+  const auto samples = RefinementSamples(GreyPicture(), 3, places, &random);
+  const auto seen = [](const image_box_t& box) {
+    return SeenThrough(CropWindow(box, 1.6, {128, 128}), GreyPicture().rgb);
+  };
+  ASSERT_EQ(samples.size(), 4u);
+  EXPECT_TRUE(AreEqual(samples[0].rgb, seen(places[2])));
+  // The crop of 320 px, 2.5 to one of the input, is from 440 to 760, the target from 489.5 on.
+  EXPECT_NEAR(samples[0].box->x_px, ((489.5 + 760) / 2 - 440) / 2.5 - 0.5, 1e-9);
+  EXPECT_TRUE(samples[1].box);
+  EXPECT_FALSE(samples[2].box);
+  EXPECT_TRUE(AreEqual(samples[2].rgb, seen(places[0])));
+  EXPECT_TRUE(AreEqual(samples[3].rgb, seen(places[3])));
 }
 
 TEST(PictureSamples, LeavesOutWhatIsHardlyThere) {
