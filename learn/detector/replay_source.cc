@@ -76,8 +76,8 @@ std::vector<DetectorSample> ReplaySource::Batch(int step) {
   const int end = ScenesUntil(step);
   Keep(std::max(0, end - config_.scenes_kept), end);
   std::vector<DetectorSample> batch;
-  const bool is_whole = (config_.whole_every > 0 && step % config_.whole_every == 0) ||
-                        step >= config_.whole_from;
+  const bool is_whole =
+      (config_.whole_every > 0 && step % config_.whole_every == 0) || step >= config_.whole_from;
   for (int i = 0; i < (is_whole ? config_.whole_batch : config_.batch); ++i) {
     RandomStream random(config_.seed, fmt::format("replay/{}/{}", step, i));
     const bool shows_box = random.Uniform() < config_.positive_share;
