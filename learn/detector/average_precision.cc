@@ -93,20 +93,6 @@ double MeanPrecision(const std::vector<Verdict>& verdicts, int n_labels) {
   return sum / 101;
 }
 
-image_box_t Difference(const image_box_t& found, const image_box_t& label) {
-  image_box_t error{};
-  error.x_px = found.x_px - label.x_px;
-  error.y_px = found.y_px - label.y_px;
-  error.w_px = found.w_px - label.w_px;
-  error.h_px = found.h_px - label.h_px;
-  return error;
-}
-
-std::vector<ScoredBox> AtLeast(double min_score, std::vector<ScoredBox> found) {
-  std::erase_if(found, [&](const ScoredBox& one) { return one.score < min_score; });
-  return BestFirst(std::move(found));
-}
-
 }  // namespace
 
 std::optional<double> AveragePrecision(const std::vector<ImageResult>& images, double overlap,
@@ -132,60 +118,6 @@ std::optional<double> MeanAveragePrecision(const std::vector<ImageResult>& image
     sum += *precision;
   }
   return sum / 10;
-}
-
-std::vector<std::optional<ScoredBox>> Matches(const ImageResult& image, double min_score) {
-  const std::vector<ScoredBox> found = AtLeast(min_score, image.found);
-  const std::vector<int> taken = TakenBy(found, image.labels, 0.5);
-  std::vector<std::optional<ScoredBox>> matches(image.labels.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (taken[i] != kNone) matches[static_cast<std::size_t>(taken[i])] = found[i];
-  }
-  return matches;
-}
-
-std::vector<RecallBin> RecallByDistance(const std::vector<ImageResult>& images,
-                                        const std::vector<double>& edges_m, double min_score) {
-  std::vector<RecallBin> bins;
-  for (std::size_t i = 1; i < edges_m.size(); ++i) bins.push_back({edges_m[i - 1], edges_m[i]});
-  for (const ImageResult& image : images) {
-    const auto matches = Matches(image, min_score);
-    for (std::size_t i = 0; i < matches.size(); ++i) {
-      const LabelledBox& label = image.labels[i];
-      for (RecallBin& bin : bins) {
-        if (!label.counts || label.range_m < bin.nearest_m || label.range_m >= bin.farthest_m) {
-          continue;
-        }
-        ++bin.n;
-        bin.n_found += matches[i].has_value();
-      }
-    }
-  }
-  return bins;
-}
-
-int CountFalseDetections(const std::vector<ImageResult>& images, double min_score) {
-  int n = 0;
-  for (const ImageResult& image : images) {
-    const std::vector<int> taken = TakenBy(AtLeast(min_score, image.found), image.labels, 0.5);
-    n += static_cast<int>(std::count(taken.begin(), taken.end(), kNone));
-  }
-  return n;
-}
-
-std::vector<StereoBoxError> StereoBoxErrors(const ImageResult& left, const ImageResult& right,
-                                            double min_score) {
-  const auto in_left = Matches(left, min_score), in_right = Matches(right, min_score);
-  std::vector<StereoBoxError> errors;
-  for (std::size_t i = 0; i < std::min(in_left.size(), in_right.size()); ++i) {
-    const LabelledBox &a = left.labels[i], &b = right.labels[i];
-    if (!in_left[i] || !in_right[i] || !a.counts || !b.counts) continue;
-    errors.push_back({.left = Difference(in_left[i]->box, a.box),
-                      .right = Difference(in_right[i]->box, b.box),
-                      .width_px = (a.box.w_px + b.box.w_px) / 2,
-                      .range_m = a.range_m});
-  }
-  return errors;
 }
 
 }  // namespace windhover

@@ -42,35 +42,4 @@ std::optional<double> AveragePrecision(const std::vector<ImageResult>& images, d
 std::optional<double> MeanAveragePrecision(const std::vector<ImageResult>& images,
                                            const WidthRange& widths = {});
 
-/// Which of the labels of an image that count are found, with at least `min_score`: of each its
-/// detection, matched as above at an overlap of 0.5.
-std::vector<std::optional<ScoredBox>> Matches(const ImageResult& image, double min_score);
-
-/// Of the aircraft in a range of distances.
-struct RecallBin {
-  double nearest_m, farthest_m;
-  int n = 0, n_found = 0;
-
-  double Recall() const { return n > 0 ? 1.0 * n_found / n : 0; }
-};
-
-/// Recall between each of `edges_m` (ascending) and the next, of labels that count.
-std::vector<RecallBin> RecallByDistance(const std::vector<ImageResult>& images,
-                                        const std::vector<double>& edges_m, double min_score);
-
-/// Detections of at least `min_score` that took no label.
-int CountFalseDetections(const std::vector<ImageResult>& images, double min_score);
-
-/// Errors of the boxes of one aircraft in both cameras, found minus label, px.
-struct StereoBoxError {
-  image_box_t left{}, right{};  ///< Of centre and size.
-  double width_px = 0;          ///< Of the label, mean of both.
-  double range_m = 0;
-};
-
-/// Of every aircraft that counts and is found in both images of a pair. `left` and `right` list the
-/// aircraft in the same order.
-std::vector<StereoBoxError> StereoBoxErrors(const ImageResult& left, const ImageResult& right,
-                                            double min_score);
-
 }  // namespace windhover

@@ -11,8 +11,6 @@
 namespace windhover {
 namespace {
 
-constexpr double kM200Width_m = 0.887;  // With propellers: docs/sources.md.
-
 ImageResult LabelsOf(const LabelledPair& pair, const LabelledPicture& picture) {
   ImageResult result;
   if (!picture.box) return result;
@@ -44,10 +42,6 @@ PictureConfig EmptyPictures(std::uint64_t seed, int most_distractors) {
   return config;
 }
 
-double DistanceOfWidth_m(const CalibratedRig& rig, double width_px) {
-  return rig.FocalPx() * kM200Width_m / width_px;
-}
-
 std::vector<PairResult> ShowPictures(
     const Scenario& base, const PictureConfig& pictures, int n_pairs, int threads,
     const std::function<FoundInPair(const cv::Mat& left, const cv::Mat& right)>& detect,
@@ -74,14 +68,6 @@ std::vector<PairResult> ShowPictures(
     }
   });
   return results;
-}
-
-std::vector<ImageResult> ImagesOf(const std::vector<PairResult>& pairs) {
-  std::vector<ImageResult> images;
-  for (const PairResult& pair : pairs) {
-    images.insert(images.end(), pair.eyes.begin(), pair.eyes.end());
-  }
-  return images;
 }
 
 }  // namespace windhover

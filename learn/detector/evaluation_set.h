@@ -18,9 +18,6 @@ PictureConfig HeldOutPictures(std::uint64_t seed, double nearest_m, double farth
 /// The same without an aircraft; with distractors (PictureConfig::most_distractors) if asked for.
 PictureConfig EmptyPictures(std::uint64_t seed, int most_distractors);
 
-/// Distance at which an M200 is `width_px` wide in a rig's images.
-double DistanceOfWidth_m(const CalibratedRig& rig, double width_px);
-
 /// What a detector finds in both images of a pair.
 using FoundInPair = std::array<std::vector<ScoredBox>, 2>;
 
@@ -38,8 +35,5 @@ std::vector<PairResult> ShowPictures(
     const Scenario& base, const PictureConfig& pictures, int n_pairs, int threads,
     const std::function<FoundInPair(const cv::Mat& left, const cv::Mat& right)>& detect,
     const std::function<bool(int done)>& on_progress);
-
-/// Both images of each pair.
-std::vector<ImageResult> ImagesOf(const std::vector<PairResult>& pairs);
 
 }  // namespace windhover

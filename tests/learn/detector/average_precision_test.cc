@@ -47,8 +47,6 @@ TEST(AveragePrecision, CountsADoubleAsWrong) {
   const std::vector<ImageResult> images = {
       {.labels = {Label(0)}, .found = {Found(0.4, 0), Found(0.9, 1)}}};
   EXPECT_NEAR(*AveragePrecision(images, 0.5), 1, 1e-12);  // The double comes after all is found.
-  EXPECT_EQ(CountFalseDetections(images, 0.3), 1);
-  EXPECT_EQ(CountFalseDetections(images, 0.5), 0);
 }
 
 TEST(AveragePrecision, LeavesOutWhatDoesNotCount) {
@@ -170,33 +168,6 @@ TEST(AveragePrecision, IsItsDefinition) {
   EXPECT_GT(n_between, 40);
 }
 
-TEST(Recall, OfDistances) {
-  LabelledBox hidden = Label(200, 12);
-  hidden.counts = false;
-  const std::vector<ImageResult> images = {
-      {.labels = {Label(0, 5), Label(50, 12), hidden}, .found = {Found(0.9, 0), Found(0.2, 50)}},
-      {.labels = {Label(0, 10)}, .found = {Found(0.8, 2)}}};
-  const auto bins = RecallByDistance(images, {4, 10, 20}, 0.5);
-  ASSERT_EQ(bins.size(), 2u);
-  EXPECT_EQ(bins[0].n, 1);
-  EXPECT_EQ(bins[0].Recall(), 1);
-  EXPECT_EQ(bins[1].n, 2);
-  EXPECT_EQ(bins[1].Recall(), 0.5);
-  EXPECT_EQ(RecallByDistance(images, {4, 10, 20}, 0.1)[1].Recall(), 1);
-}
-
-TEST(StereoBoxErrors, AreOfAircraftFoundInBothImages) {
-  const ImageResult left{.labels = {Label(0, 5), Label(50, 9)},
-                         .found = {Found(0.9, 1), Found(0.9, 50)}};
-  const ImageResult right{.labels = {Label(-20, 5), Label(30, 9)}, .found = {Found(0.9, -22, 12)}};
-  const auto errors = StereoBoxErrors(left, right, 0.5);
-  ASSERT_EQ(errors.size(), 1u);
-  EXPECT_DOUBLE_EQ(errors[0].left.x_px, 1);
-  EXPECT_DOUBLE_EQ(errors[0].right.x_px, -2);
-  EXPECT_DOUBLE_EQ(errors[0].right.w_px, 2);
-  EXPECT_DOUBLE_EQ(errors[0].range_m, 5);
-}
-
 Scenario SmallRig() {
   Scenario scenario;
   scenario.description = "test";
@@ -242,12 +213,12 @@ TEST(EvaluationSet, HasEmptyPictures) {
   pictures.pairs = 3;
   const auto results =
       ShowPictures(SmallRig(), pictures, 3, 1, FirstPixels, [](int) { return true; });
-  for (const ImageResult& image : ImagesOf(results)) EXPECT_TRUE(image.labels.empty());
-  EXPECT_EQ(CountFalseDetections(ImagesOf(results), 0), 6);
-}
-
-TEST(EvaluationSet, KnowsHowFarAWidthIs) {
-  EXPECT_NEAR(DistanceOfWidth_m(CalibratedRig{}, 71.3), 40, 0.01);  // 3215 px · 0.887 m / 71.3.
+  for (const PairResult& pair : results) {
+    for (const ImageResult& image : pair.eyes) {
+      EXPECT_TRUE(image.labels.empty());
+      EXPECT_EQ(image.found.size(), 1u);
+    }
+  }
 }
 
 }  // namespace
