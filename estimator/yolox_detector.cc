@@ -18,6 +18,7 @@ constexpr std::size_t kMaxTargets = 8;
 constexpr double kWorthALook = 0.05;  // Score of the first look, where there is a second.
 constexpr double kMinScoreAgain = 0.01;
 constexpr double kMinOverlapAgain = 0.2;  // With the first box, or it is another target.
+constexpr int kLooksAgain = 2;            // The second time, around what the first time told.
 
 void CheckPair(const cv::Mat& left, const cv::Mat& right) {
   const bool good = left.type() == CV_8UC3 && right.type() == CV_8UC3 && !left.empty() &&
@@ -35,6 +36,14 @@ ScoredBox Confirmed(const ScoredBox& first, const std::vector<ScoredBox>& seen) 
     if (box.score > best.score && OverlapOf(box.box, first.box) >= kMinOverlapAgain) best = box;
   }
   return best;
+}
+
+/// Both become as large as their geometric mean: seen at one scale, the network errs alike in both
+/// images, and disparity is a difference.
+void ShareSize(std::array<image_box_t, 2>* boxes) {
+  auto& [left, right] = *boxes;
+  left.w_px = right.w_px = std::sqrt(left.w_px * right.w_px);
+  left.h_px = right.h_px = std::sqrt(left.h_px * right.h_px);
 }
 
 /// Whether both images show one target twice: the second look may have moved to it from two
@@ -77,15 +86,19 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
   return found;
 }
 
-void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, ScoredBox* left,
-                              ScoredBox* right) {
+void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
+                              ScoredBox* left, ScoredBox* right) {
   if (!refiner_) return;
-  const std::array<BoxNetwork::View, 2> views = {
-      {{left_rgb, CropWindow(left->box, refiner_margin_, refiner_->input())},
-       {right_rgb, CropWindow(right->box, refiner_margin_, refiner_->input())}}};
-  const auto seen = refiner_->Find(views, kMinScoreAgain);
-  *left = Confirmed(*left, seen[0]);
-  *right = Confirmed(*right, seen[1]);
+  for (int look = 0; look < kLooksAgain; ++look) {
+    std::array<image_box_t, 2> around = {left->box, right->box};
+    if (is_one_target) ShareSize(&around);
+    const std::array<BoxNetwork::View, 2> views = {
+        {{left_rgb, CropWindow(around[0], refiner_margin_, refiner_->input())},
+         {right_rgb, CropWindow(around[1], refiner_margin_, refiner_->input())}}};
+    const auto seen = refiner_->Find(views, kMinScoreAgain);
+    *left = Confirmed(*left, seen[0]);
+    *right = Confirmed(*right, seen[1]);
+  }
 }
 
 std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) {
@@ -93,7 +106,7 @@ std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const c
   std::vector<stereo_box_t> boxes;
   for (const auto& [i, k] : PairBoxes(found[0], found[1], left_rgb.size())) {
     ScoredBox left = found[0][i], right = found[1][k];
-    LookAgain(left_rgb, right_rgb, &left, &right);
+    LookAgain(left_rgb, right_rgb, /*is_one_target=*/true, &left, &right);
     stereo_box_t box{};
     box.left = left.box;
     box.right = right.box;
@@ -113,7 +126,7 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::DetectEach(const cv::Mat& one
     ScoredBox none;
     ScoredBox* one = i < found[0].size() ? &found[0][i] : &none;
     ScoredBox* other = i < found[1].size() ? &found[1][i] : &none;
-    LookAgain(one_rgb, other_rgb, one, other);
+    LookAgain(one_rgb, other_rgb, /*is_one_target=*/false, one, other);
   }
   for (auto& boxes : found) {
     std::erase_if(boxes, [&](const ScoredBox& box) { return box.score < min_score; });

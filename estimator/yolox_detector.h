@@ -15,9 +15,9 @@ namespace windhover {
 
 /// Finds aircraft by what was learned: a network sees both whole images at a quarter of their
 /// resolution. What it finds in both, one beside the other, a second network sees at full
-/// resolution, a square around each box, and says again whether there is one and where its box is.
-/// Its score is the second network's, the geometric mean of both images. What one image alone shows
-/// is no detection.
+/// resolution, a square around each box, and says again whether there is one and where its box is;
+/// then once more around that, at one scale in both images. Its score is the second network's, the
+/// geometric mean of both images. What one image alone shows is no detection.
 class YoloxDetector final : public Detector {
  public:
   /// @param folder of the card, where its weights are.
@@ -37,8 +37,8 @@ class YoloxDetector final : public Detector {
  private:
   std::vector<std::vector<ScoredBox>> FirstLook(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
                                                 double min_score);
-  void LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, ScoredBox* left,
-                 ScoredBox* right);
+  void LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
+                 ScoredBox* left, ScoredBox* right);
 
   double min_score_, refiner_margin_;
   BoxNetwork detector_;

@@ -55,22 +55,21 @@ LayerTable RedFinderTable() {
   return table;
 }
 
-/// A detector of red squares: boxes of 8 cells, 240 px of an image of 1280 x 720, and again of 8
-/// cells in a square of 16: 120 px.
+/// A detector of red squares: boxes of 8 cells, 240 px of an image of 1280 x 720, and again as
+/// large as the square that it sees.
 class YoloxDetectorTest : public ::testing::Test {
  protected:
   /// `bias_again`: of the second network.
   DetectorCard Card(bool refines, float bias_again = -30) const {
-    const auto weights = [&](const std::string& name, int height, int width, float bias) {
-      const LayerTable table = RedFinderTable();
-      const auto file =
-          folder_.Write(name, NetworkOnnx(table, RedFinder(table, 8, bias), height, width));
+    const auto weights = [&](const std::string& name, int height, int width, const auto& finder) {
+      const auto file = folder_.Write(name, NetworkOnnx(RedFinderTable(), finder, height, width));
       return DetectorCard::Weights{name, Sha256OfFile(file)};
     };
+    const LayerTable table = RedFinderTable();
     DetectorCard card;
     card.network = "yolox_nano";
-    card.detector = weights("whole.onnx", 192, 352, -30);
-    if (refines) card.refiner = weights("again.onnx", 128, 128, bias_again);
+    card.detector = weights("whole.onnx", 192, 352, RedFinder(table, 8));
+    if (refines) card.refiner = weights("again.onnx", 128, 128, RedFinder(table, 16, bias_again));
     card.refiner_margin = 1;
     return card;
   }
@@ -93,22 +92,23 @@ class YoloxDetectorTest : public ::testing::Test {
 };
 
 // Squares around cells of the first look, 30 px wide, which see them in their middles, 0.25 px off.
-// In the second the middle lies 1 px of the input off a cell's, 1.9 px of the image.
+// Each time they are looked at again the middle lies 1 px of the input off a cell's, 1.9 px of the
+// image, and that twice.
 TEST_F(YoloxDetectorTest, FindsWhatBothImagesShow) {
   for (const bool refines : {false, true}) {
     const auto boxes = Detect(Image(603, 363, 34), Image(513, 363, 34), refines);
     ASSERT_EQ(boxes.size(), 1u);
-    const double tolerance_px = refines ? 2.5 : 1;
+    const double tolerance_px = refines ? 4.1 : 1;
     EXPECT_NEAR(boxes[0].left.x_px, 603, tolerance_px);
     EXPECT_NEAR(boxes[0].right.x_px, 513, tolerance_px);
     EXPECT_NEAR(boxes[0].left.y_px, 363, tolerance_px);
-    EXPECT_NEAR(boxes[0].left.w_px, refines ? 120 : 240, 1e-3);
+    EXPECT_NEAR(boxes[0].left.w_px, 240, 1e-3);
     EXPECT_GT(boxes[0].score, 0.3);
   }
 }
 
-// Of white the first says 1; the second σ(40 + bias) = 0.5, σ(-0.5) = 0.378, then σ(-2) = 0.119, less
-// than the card's 0.3.
+// Of white the first says 1; the second σ(40 + bias) = 0.5, σ(-0.5) = 0.378, then σ(-2) = 0.119,
+// less than the card's 0.3.
 TEST_F(YoloxDetectorTest, SecondLookDecides) {
   const cv::Mat left = Image(603, 363, 34), right = Image(513, 363, 34);
   const auto score = [&](float bias) {
@@ -136,7 +136,7 @@ TEST_F(YoloxDetectorTest, LooksAtEachImageForItself) {
   ASSERT_EQ(found.size(), 2u);
   ASSERT_EQ(found[0].size(), 1u);
   ASSERT_EQ(found[1].size(), 1u);
-  EXPECT_NEAR(found[1][0].box.x_px, 213, 2.5);
+  EXPECT_NEAR(found[1][0].box.x_px, 213, 4.1);
 }
 
 TEST_F(YoloxDetectorTest, BothEnginesAgree) {
