@@ -18,7 +18,6 @@ constexpr std::size_t kMaxTargets = 8;
 constexpr double kWorthALook = 0.05;  // Score of the first look, where there is a second.
 constexpr double kMinScoreAgain = 0.01;
 constexpr double kMinOverlapAgain = 0.2;  // With the first box, or it is another target.
-constexpr int kLooksAgain = 2;            // The second time, around what the first time told.
 
 void CheckPair(const cv::Mat& left, const cv::Mat& right) {
   const bool good = left.type() == CV_8UC3 && right.type() == CV_8UC3 && !left.empty() &&
@@ -44,6 +43,16 @@ void ShareSize(std::array<image_box_t, 2>* boxes) {
   auto& [left, right] = *boxes;
   left.w_px = right.w_px = std::sqrt(left.w_px * right.w_px);
   left.h_px = right.h_px = std::sqrt(left.h_px * right.h_px);
+}
+
+/// Mean box, geometric mean of the scores.
+ScoredBox MeanOf(const ScoredBox& a, const ScoredBox& b) {
+  ScoredBox mean{a.box, std::sqrt(a.score * b.score)};
+  mean.box.x_px = (a.box.x_px + b.box.x_px) / 2;
+  mean.box.y_px = (a.box.y_px + b.box.y_px) / 2;
+  mean.box.w_px = (a.box.w_px + b.box.w_px) / 2;
+  mean.box.h_px = (a.box.h_px + b.box.h_px) / 2;
+  return mean;
 }
 
 /// Whether both images show one target twice: the second look may have moved to it from two
@@ -89,16 +98,18 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
 void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
                               ScoredBox* left, ScoredBox* right) {
   if (!refiner_) return;
-  for (int look = 0; look < kLooksAgain; ++look) {
-    std::array<image_box_t, 2> around = {left->box, right->box};
+  const auto look = [&](const std::array<ScoredBox, 2>& found) -> std::array<ScoredBox, 2> {
+    std::array<image_box_t, 2> around = {found[0].box, found[1].box};
     if (is_one_target) ShareSize(&around);
     const std::array<BoxNetwork::View, 2> views = {
         {{left_rgb, CropWindow(around[0], refiner_margin_, refiner_->input())},
          {right_rgb, CropWindow(around[1], refiner_margin_, refiner_->input())}}};
     const auto seen = refiner_->Find(views, kMinScoreAgain);
-    *left = Confirmed(*left, seen[0]);
-    *right = Confirmed(*right, seen[1]);
-  }
+    return {Confirmed(found[0], seen[0]), Confirmed(found[1], seen[1])};
+  };
+  const std::array<ScoredBox, 2> once = look({*left, *right}), twice = look(once);
+  *left = MeanOf(once[0], twice[0]);
+  *right = MeanOf(once[1], twice[1]);
 }
 
 std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) {

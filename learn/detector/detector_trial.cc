@@ -177,8 +177,8 @@ std::vector<ScoreChoice> ScoreChoices(const std::vector<TriedPair>& pairs) {
 }
 
 double QuietScore(const std::vector<ScoreChoice>& choices) {
-  for (std::size_t i = 0; i + 1 < choices.size(); ++i) {
-    if (choices[i].n_false == 0) return choices[i + 1].min_score;
+  for (const ScoreChoice& choice : choices) {
+    if (choice.n_false == 0) return choice.min_score;
   }
   throw std::invalid_argument("at every score something is found in empty pictures");
 }

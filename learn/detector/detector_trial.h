@@ -71,7 +71,7 @@ struct ScoreChoice {
 /// For least scores of 0.05, 0.1, … 0.95, of pairs tried with the first or less.
 std::vector<ScoreChoice> ScoreChoices(const std::vector<TriedPair>& pairs);
 
-/// One step above the least score from which on nothing is found in empty pairs.
+/// The least score from which on nothing is found in empty pairs.
 /// @throws std::invalid_argument if there is always something.
 double QuietScore(const std::vector<ScoreChoice>& choices);
 
