@@ -11,6 +11,7 @@
 #include <iostream>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Dense>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -125,14 +126,15 @@ void Run(const std::string& file, const std::string& figure, const fs::path& fol
 }  // namespace windhover
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::cerr << "usage: swarm_cost SCENARIO FIGURE.svg\n";
-    return 2;
-  }
+  std::string scenario, figure;
+  CLI::App app("measures what a swarm costs by its pairs");
+  app.add_option("scenario", scenario)->required()->check(CLI::ExistingFile);
+  app.add_option("figure", figure, "chart to write (.svg)")->required();
+  CLI11_PARSE(app, argc, argv);
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("cost_{}", getpid());
   std::filesystem::create_directories(folder);
   try {
-    windhover::Run(argv[1], argv[2], folder);
+    windhover::Run(scenario, figure, folder);
   } catch (const std::exception& e) {
     std::cerr << e.what() << "\n";
     return 1;
