@@ -21,6 +21,7 @@ constexpr std::int64_t kHeaderBytes = 28;
 constexpr std::uint64_t kMaxChannelBytes = 255;
 constexpr std::uint64_t kMaxDataBytes = 1 << 28;
 constexpr std::int64_t kScanBytes = 1 << 20;
+constexpr std::int64_t kWindowBytes = 1 << 16;
 
 constexpr std::size_t kPendingBytes = 1 << 16;
 constexpr std::chrono::milliseconds kPendingTime{100};
@@ -100,30 +101,36 @@ RunLogReader::RunLogReader(const std::filesystem::path& file)
   if (!in_ || error) throw std::runtime_error(fmt::format("{}: cannot be read", file.string()));
 }
 
-std::string RunLogReader::BytesAt(std::int64_t offset, std::int64_t n_bytes) {
-  std::string bytes(static_cast<std::size_t>(std::min(n_bytes, size_ - offset)), '\0');
-  in_.clear();
-  in_.seekg(offset);
-  in_.read(bytes.data(), std::ssize(bytes));
-  bytes.resize(static_cast<std::size_t>(in_.gcount()));
-  return bytes;
+std::string_view RunLogReader::BytesAt(std::int64_t offset, std::int64_t n_bytes) {
+  n_bytes = std::min(n_bytes, size_ - offset);
+  if (offset < window_offset_ || offset + n_bytes > window_offset_ + std::ssize(window_)) {
+    window_.resize(
+        static_cast<std::size_t>(std::min(std::max(n_bytes, kWindowBytes), size_ - offset)));
+    window_offset_ = offset;
+    in_.clear();
+    in_.seekg(offset);
+    in_.read(window_.data(), std::ssize(window_));
+    window_.resize(static_cast<std::size_t>(in_.gcount()));
+  }
+  return std::string_view(window_).substr(static_cast<std::size_t>(offset - window_offset_),
+                                          static_cast<std::size_t>(n_bytes));
 }
 
 bool RunLogReader::SyncAt(std::int64_t offset) { return BytesAt(offset, 4) == kSync; }
 
 std::optional<LogEvent> RunLogReader::EventAt(std::int64_t offset) {
-  const std::string header = BytesAt(offset, kHeaderBytes);
+  const std::string_view header = BytesAt(offset, kHeaderBytes);
   const std::optional<Lengths> lengths = LengthsIn(header);
   const std::int64_t begin = offset + kHeaderBytes;
   if (!lengths || lengths->channel + lengths->data > size_ - begin) return std::nullopt;
   LogEvent event;
   event.number = static_cast<std::int64_t>(FromBigEndian(header.substr(4, 8)));
   event.utime = static_cast<Utime>(FromBigEndian(header.substr(12, 8)));
-  event.channel = BytesAt(begin, lengths->channel);
-  event.bytes.resize(static_cast<std::size_t>(lengths->data));
-  in_.read(reinterpret_cast<char*>(event.bytes.data()), lengths->data);
+  const std::string_view content = BytesAt(begin, lengths->channel + lengths->data);
+  if (std::ssize(content) != lengths->channel + lengths->data) return std::nullopt;
+  event.channel = content.substr(0, static_cast<std::size_t>(lengths->channel));
+  event.bytes.assign(content.begin() + lengths->channel, content.end());
   event.offset = offset;
-  if (in_.gcount() != lengths->data) return std::nullopt;
   const std::int64_t end = begin + lengths->channel + lengths->data;
   if (!IsWhole(event, end)) return std::nullopt;
   position_ = end;
@@ -142,7 +149,7 @@ bool RunLogReader::IsWhole(const LogEvent& event, std::int64_t end) {
 }
 
 bool RunLogReader::CutShortAt(std::int64_t offset) {
-  const std::string header = BytesAt(offset, kHeaderBytes);
+  const std::string_view header = BytesAt(offset, kHeaderBytes);
   if (header.size() < kHeaderBytes) return kSync.starts_with(header.substr(0, kSync.size()));
   const std::optional<Lengths> lengths = LengthsIn(header);
   return lengths && kHeaderBytes + lengths->channel + lengths->data > size_ - offset;
@@ -152,7 +159,7 @@ std::int64_t RunLogReader::NextSync(std::int64_t from) {
   const std::int64_t overlap = std::ssize(kSync) - 1;
   for (; from < size_; from += kScanBytes - overlap) {
     const std::size_t found = BytesAt(from, kScanBytes).find(kSync);
-    if (found != std::string::npos) return from + static_cast<std::int64_t>(found);
+    if (found != std::string_view::npos) return from + static_cast<std::int64_t>(found);
   }
   return size_;
 }

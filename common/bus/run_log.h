@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/codec.h"
@@ -99,12 +100,15 @@ class RunLogReader {
   bool CutShortAt(std::int64_t offset);
   bool IsWhole(const LogEvent& event, std::int64_t end);
   std::int64_t NextSync(std::int64_t from);
-  std::string BytesAt(std::int64_t offset, std::int64_t n_bytes);
+  /// Fewer at the end of the file; valid until the next call.
+  std::string_view BytesAt(std::int64_t offset, std::int64_t n_bytes);
 
   std::filesystem::path file_;
   std::ifstream in_;
   std::int64_t size_ = 0;
   std::int64_t position_ = 0;
+  std::string window_;  ///< Of the file, from window_offset_ on: the next events are in it.
+  std::int64_t window_offset_ = 0;
   std::vector<LogDamage> damage_;
   std::int64_t truncated_bytes_ = 0;
 };
