@@ -25,4 +25,7 @@ class Detector {
 /// cannot be used.
 std::unique_ptr<Detector> MakeDetector(const EstimatorConfig& config);
 
+/// Reads all that MakeDetector() would and prepares nothing. @throws as that does.
+void CheckDetector(const EstimatorConfig& config);
+
 }  // namespace windhover

@@ -74,6 +74,28 @@ std::vector<stereo_box_t> BestFirst(std::vector<stereo_box_t> boxes) {
   return kept;
 }
 
+std::filesystem::path FolderOf(const InputFile& card) {
+  return std::filesystem::path(card.absolute).parent_path();
+}
+
+DetectorCard CardOf(const std::string& name, const InputFile& file) {
+  DetectorCard card = ReadDetectorCard(file.absolute);
+  if (card.network == name) return card;
+  throw ConfigError(fmt::format("{}: network: must be {}, as estimator.detector (found {})",
+                                file.absolute, name, card.network));
+}
+
+/// What `read` returns; its mistakes say where the scenario names the card.
+template <typename Read>
+auto Located(const InputFile& card, const Read& read) {
+  try {
+    return read();
+  } catch (const ConfigError& error) {
+    if (card.where.empty()) throw;
+    throw ConfigError(fmt::format("{}: {}", card.where, error.what()));
+  }
+}
+
 }  // namespace
 
 YoloxDetector::YoloxDetector(const DetectorCard& card, const std::filesystem::path& folder,
@@ -146,19 +168,17 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::DetectEach(const cv::Mat& one
   return found;
 }
 
-std::unique_ptr<Detector> MakeYoloxDetector(const std::string& name, const InputFile& card_file) {
-  try {
-    const std::filesystem::path file = card_file.absolute;
-    const DetectorCard card = ReadDetectorCard(file);
-    if (card.network != name) {
-      throw ConfigError(fmt::format("{}: network: must be {}, as estimator.detector (found {})",
-                                    file.string(), name, card.network));
-    }
-    return std::make_unique<YoloxDetector>(card, file.parent_path());
-  } catch (const ConfigError& error) {
-    if (card_file.where.empty()) throw;
-    throw ConfigError(fmt::format("{}: {}", card_file.where, error.what()));
-  }
+std::unique_ptr<Detector> MakeYoloxDetector(const std::string& name, const InputFile& card) {
+  return Located(
+      card, [&] { return std::make_unique<YoloxDetector>(CardOf(name, card), FolderOf(card)); });
+}
+
+void CheckYoloxCard(const std::string& name, const InputFile& card) {
+  Located(card, [&] {
+    const DetectorCard read = CardOf(name, card);
+    ReadWeights(read.detector, FolderOf(card));
+    if (read.refiner) ReadWeights(*read.refiner, FolderOf(card));
+  });
 }
 
 }  // namespace windhover

@@ -50,4 +50,7 @@ class YoloxDetector final : public Detector {
 /// where the scenario names it. @throws ConfigError
 std::unique_ptr<Detector> MakeYoloxDetector(const std::string& name, const InputFile& card);
 
+/// Reads all that MakeYoloxDetector() would. @throws ConfigError as that does.
+void CheckYoloxCard(const std::string& name, const InputFile& card);
+
 }  // namespace windhover

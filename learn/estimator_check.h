@@ -5,7 +5,7 @@
 namespace windhover {
 
 /// Reads what the estimators that `config` lists depend on, as their process would.
-/// @throws ConfigError saying what is wrong with estimator.correction and where.
+/// @throws ConfigError saying what is wrong with estimator.correction or detector_model and where.
 void CheckEstimators(const AircraftConfig& config);
 
 }  // namespace windhover

@@ -69,6 +69,26 @@ TEST(Windhover, WrongUsageIsExitCode2) {
   }
 }
 
+TEST(WindhoverRun, RefusesABrokenDetectorBeforeItStarts) {
+  const TemporaryFolder folder;
+  const std::string models = std::string(WINDHOVER_SOURCE_DIR) + "/models/";
+  const std::string card = folder.Write("card.json", TextOf(models + "yolox_small.json"));
+  folder.Write("yolox_small.onnx", TextOf(models + "yolox_small.onnx"));
+  folder.Write("yolox_refine.onnx", TextOf(models + "yolox_refine.onnx").substr(0, 1000));
+  for (const std::string command : {"run", "check"}) {
+    SCOPED_TRACE(command);
+    std::vector<std::string> words = {kWindhover, command, kScenarios + "uavde_12mm.yaml", "--set",
+                                      "estimator.detector_model=" + card};
+    const auto out = folder.path() / "run";
+    if (command == "run") words.insert(words.end(), {"--out", out});
+    Program program(words);
+    EXPECT_EQ(program.Wait(), 2);
+    EXPECT_THAT(program.Err(), StartsWith("windhover: error: --set:1:26: "));
+    EXPECT_THAT(program.Err(), HasSubstr("yolox_refine.onnx: "));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
 TEST(WindhoverCheck, PrintsEveryMistakeAtItsPlace) {
   const TemporaryFolder folder;
   const auto file = folder.Write("s.yaml", kTenMistakes);
