@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/card/card_node.h"
+#include "common/config/at_its_place.h"
 
 namespace windhover {
 namespace {
@@ -133,12 +134,7 @@ CorrectionCard ReadCorrectionCard(const std::filesystem::path& file) {
 }
 
 CorrectionCard ReadCorrectionCard(const InputFile& file) {
-  try {
-    return ReadCorrectionCard(std::filesystem::path(file.absolute));
-  } catch (const ConfigError& error) {
-    throw ConfigError(file.where.empty() ? error.what()
-                                         : fmt::format("{}: {}", file.where, error.what()));
-  }
+  return AtItsPlace(file, [&] { return ReadCorrectionCard(std::filesystem::path(file.absolute)); });
 }
 
 }  // namespace windhover

@@ -8,16 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "common/config/at_its_place.h"
 #include "estimator/stereo_pairing.h"
 
 namespace windhover {
 namespace {
 
-constexpr double kMaxOverlap = 0.5;  // Of two targets in one image: more is one seen twice.
-constexpr std::size_t kMaxTargets = 8;
-constexpr double kWorthALook = 0.05;  // Score of the first look, where there is a second.
 constexpr double kMinScoreAgain = 0.01;
-constexpr double kMinOverlapAgain = 0.2;  // With the first box, or it is another target.
 
 void CheckPair(const cv::Mat& left, const cv::Mat& right) {
   const bool good = left.type() == CV_8UC3 && right.type() == CV_8UC3 && !left.empty() &&
@@ -85,17 +82,6 @@ DetectorCard CardOf(const std::string& name, const InputFile& file) {
                                 file.absolute, name, card.network));
 }
 
-/// What `read` returns; its mistakes say where the scenario names the card.
-template <typename Read>
-auto Located(const InputFile& card, const Read& read) {
-  try {
-    return read();
-  } catch (const ConfigError& error) {
-    if (card.where.empty()) throw;
-    throw ConfigError(fmt::format("{}: {}", card.where, error.what()));
-  }
-}
-
 }  // namespace
 
 YoloxDetector::YoloxDetector(const DetectorCard& card, const std::filesystem::path& folder,
@@ -110,11 +96,8 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
                                                              const cv::Mat& right_rgb,
                                                              double min_score) {
   CheckPair(left_rgb, right_rgb);
-  const InputWindow window = LetterboxWindow(left_rgb.size(), detector_.input());
-  const std::array<BoxNetwork::View, 2> views = {{{left_rgb, window}, {right_rgb, window}}};
-  auto found = detector_.Find(views, refiner_ ? kWorthALook : min_score);
-  for (auto& boxes : found) boxes = WithoutDoubles(std::move(boxes), kMaxOverlap, kMaxTargets);
-  return found;
+  const std::array<cv::Mat, 2> images = {left_rgb, right_rgb};
+  return detector_.FindInWhole(images, refiner_ ? kWorthALook : min_score);
 }
 
 void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
@@ -169,12 +152,12 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::DetectEach(const cv::Mat& one
 }
 
 std::unique_ptr<Detector> MakeYoloxDetector(const std::string& name, const InputFile& card) {
-  return Located(
+  return AtItsPlace(
       card, [&] { return std::make_unique<YoloxDetector>(CardOf(name, card), FolderOf(card)); });
 }
 
 void CheckYoloxCard(const std::string& name, const InputFile& card) {
-  Located(card, [&] {
+  AtItsPlace(card, [&] {
     const DetectorCard read = CardOf(name, card);
     ReadWeights(read.detector, FolderOf(card));
     if (read.refiner) ReadWeights(*read.refiner, FolderOf(card));

@@ -54,4 +54,15 @@ std::vector<std::vector<ScoredBox>> BoxNetwork::Find(std::span<const View> views
   return all;
 }
 
+std::vector<std::vector<ScoredBox>> BoxNetwork::FindInWhole(std::span<const cv::Mat> images,
+                                                            double min_score) {
+  std::vector<View> views;
+  for (const cv::Mat& image : images) {
+    views.push_back({image, LetterboxWindow(image.size(), input())});
+  }
+  auto found = Find(views, min_score);
+  for (auto& boxes : found) boxes = WithoutDoubles(std::move(boxes), kMaxOverlap, kMaxTargets);
+  return found;
+}
+
 }  // namespace windhover

@@ -2,9 +2,8 @@
 
 #include <filesystem>
 
-#include <fmt/format.h>
-
 #include "common/card/card_node.h"
+#include "common/config/at_its_place.h"
 
 namespace windhover {
 namespace {
@@ -50,12 +49,7 @@ nlohmann::ordered_json BoxNoiseJson(const GeometricConfig& fitted) {
 }
 
 GeometricConfig ReadFittedBoxNoise(const InputFile& card) {
-  try {
-    return ReadBoxNoise(card.absolute);
-  } catch (const ConfigError& error) {
-    throw ConfigError(card.where.empty() ? error.what()
-                                         : fmt::format("{}: {}", card.where, error.what()));
-  }
+  return AtItsPlace(card, [&] { return ReadBoxNoise(card.absolute); });
 }
 
 }  // namespace windhover

@@ -1,7 +1,6 @@
 #include "learn/detector/picture_samples.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -18,10 +17,7 @@ constexpr double kMostHidden = 0.6, kMostOutside = 0.65;
 constexpr double kSmallest_px = 8;
 constexpr double kCentreError = 0.05, kSizeError = 0.13;  ///< Of the box.
 constexpr int kRefinements = 3;                           ///< Of a picture.
-constexpr double kLeastFound = 0.05, kMaxOverlap = 0.5;
-constexpr std::size_t kMostFound = 8;
-constexpr std::size_t kMostMistakes = 2;  ///< Of a picture with a target.
-constexpr double kOverlapOfTarget = 0.2;  ///< Less is no second look at it.
+constexpr std::size_t kMostMistakes = 2;                  ///< Of a picture with a target.
 
 DetectorSample SeenSample(const LabelledPicture& picture, const InputWindow& window) {
   DetectorSample sample{.rgb = SeenThrough(window, picture.rgb), .box = std::nullopt};
@@ -58,7 +54,7 @@ struct PlacesInPicture {
 PlacesInPicture Sorted(const LabelledPicture& picture, std::span<const image_box_t> places) {
   PlacesInPicture sorted;
   for (const image_box_t& place : places) {
-    if (!picture.box || OverlapOf(place, *picture.box) < kOverlapOfTarget) {
+    if (!picture.box || OverlapOf(place, *picture.box) < kMinOverlapAgain) {
       sorted.elsewhere.push_back(place);
     } else if (!sorted.of_target) {
       sorted.of_target = place;
@@ -100,11 +96,8 @@ DetectorSample WholeSample(const LabelledPicture& picture) {
 FindPlaces PlacesFoundBy(const NetworkModel& first) {
   const auto network = std::make_shared<BoxNetwork>(first, /*batch=*/1);
   return [network](const cv::Mat& rgb) {
-    const std::array<BoxNetwork::View, 1> view = {
-        {{rgb, LetterboxWindow(rgb.size(), network->input())}}};
     std::vector<image_box_t> places;
-    for (const ScoredBox& box :
-         WithoutDoubles(network->Find(view, kLeastFound)[0], kMaxOverlap, kMostFound)) {
+    for (const ScoredBox& box : network->FindInWhole({&rgb, 1}, kWorthALook)[0]) {
       places.push_back(box.box);
     }
     return places;
