@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/config/at_its_place.h"
+#include "estimator/box_alignment.h"
 #include "estimator/stereo_pairing.h"
 
 namespace windhover {
@@ -128,6 +129,7 @@ std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const c
     box.right = right.box;
     box.score = std::sqrt(left.score * right.score);
     if (box.score < min_score_) continue;
+    if (refiner_) AlignBoxes(left_rgb, right_rgb, &box);
     boxes.push_back(box);
   }
   return BestFirst(std::move(boxes));

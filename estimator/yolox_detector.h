@@ -17,8 +17,8 @@ namespace windhover {
 /// resolution. What it finds in both, one beside the other, a second network sees at full
 /// resolution, a square around each box, and says again whether there is one and where its box is;
 /// then once more around that, at one scale in both images. Boxes are the mean of these two looks,
-/// scores the geometric mean of them and of both images. What one image alone shows is no
-/// detection.
+/// aligned with each other by their pixels (AlignBoxes), scores the geometric mean of the looks and
+/// of both images. What one image alone shows is no detection.
 class YoloxDetector final : public Detector {
  public:
   /// @param folder of the card, where its weights are.

@@ -97,37 +97,50 @@ Variance CentreVariance(const std::vector<Pair>& pairs) {
   return variance;
 }
 
-void FitGross(const std::vector<BoxErrorSample>& samples, const Variance& variance,
-              GeometricConfig* fitted) {
-  int n = 0, n_gross = 0;
-  double squares = 0;
-  const auto add = [&](const BoxErrors::OneImage& error, const BoxSize& size) {
-    ++n;
-    const bool gross = std::abs(variance.Share({error.x, size[0]})) > kGross ||
-                       std::abs(variance.Share({error.y, size[1]})) > kGross;
-    if (!gross) return;
-    ++n_gross;
-    squares += std::pow(error.x / size[0], 2) + std::pow(error.y / size[1], 2);
-  };
-  for (const BoxErrorSample& sample : samples) {
-    if (!sample.errors) continue;
-    add(sample.errors->left, sample.sizes[0]);
-    add(sample.errors->right, sample.sizes[1]);
-  }
-  fitted->gross_rate = static_cast<double>(n_gross) / n;
-  if (n_gross > 0) fitted->gross_sigma = std::min(10.0, std::sqrt(squares / (2 * n_gross)));
+/// How much more one image errs than the other, in deviations of one image.
+double Difference(const Variance& variance, const Pair& pair) {
+  return variance.Share(pair.left) - variance.Share(pair.right);
 }
 
-double Correlation(const std::vector<Pair>& pairs, const Variance& variance) {
-  double left = 0, right = 0, both = 0;
-  for (const Pair& pair : pairs) {
-    const double a = variance.Share(pair.left), b = variance.Share(pair.right);
-    if (std::abs(a) > kGross || std::abs(b) > kGross) continue;
-    left += a * a;
-    right += b * b;
-    both += a * b;
+/// Deviation of Difference() where neither image errs grossly: sqrt(2 - 2 correlation).
+double DifferenceDeviation(const std::vector<Pair>& pairs, const Variance& variance) {
+  std::vector<double> absolute;
+  for (const Pair& pair : pairs) absolute.push_back(std::abs(Difference(variance, pair)));
+  double deviation = std::max(1e-6, DeviationOf(absolute));
+  for (int round = 0; round < kRounds; ++round) {
+    double n = 0, squares = 0;
+    for (const double difference : absolute) {
+      if (difference > kGross * deviation) continue;
+      ++n;
+      squares += difference * difference;
+    }
+    deviation = std::max(1e-6, std::sqrt(squares / n));
   }
-  return std::clamp(both / std::sqrt(left * right), -0.99, 0.99);
+  return deviation;
+}
+
+/// Gross is what one image errs and the other does not, in x or y: what both err alike moves no
+/// distance.
+void FitGross(const std::vector<Pair>& x, const std::vector<Pair>& y, const Variance& variance,
+              double deviation, GeometricConfig* fitted) {
+  const auto relative = [](const Pair& pair) {
+    return pair.left.error / pair.left.size - pair.right.error / pair.right.size;
+  };
+  int n_gross = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::abs(Difference(variance, x[i])) <= kGross * deviation &&
+        std::abs(Difference(variance, y[i])) <= kGross * deviation) {
+      continue;
+    }
+    ++n_gross;
+    squares += std::pow(relative(x[i]), 2) + std::pow(relative(y[i]), 2);
+  }
+  // Either of the two images may be the one, or both.
+  const auto n = static_cast<double>(x.size());
+  fitted->gross_rate = 1 - std::sqrt(1 - n_gross / n);
+  const double n_images = 2 * n * fitted->gross_rate;
+  if (n_gross > 0) fitted->gross_sigma = std::min(10.0, std::sqrt(squares / (2 * n_images)));
 }
 
 double SizeFactor(const std::vector<Pair>& pairs, const Variance& variance) {
@@ -216,19 +229,20 @@ void FitMisses(const std::vector<BoxErrorSample>& samples, GeometricConfig* fitt
 
 GeometricConfig FitBoxNoise(const std::vector<BoxErrorSample>& samples) {
   using One = BoxErrors::OneImage;
-  const std::vector<Pair> centres =
-      Joined(PairsOf(samples, &One::x, 0), PairsOf(samples, &One::y, 1));
-  if (centres.size() < 2 * kMinSamples) {
+  const std::vector<Pair> x = PairsOf(samples, &One::x, 0), y = PairsOf(samples, &One::y, 1);
+  if (x.size() < kMinSamples) {
     throw std::invalid_argument("a noise model needs 50 targets that were found");
   }
+  const std::vector<Pair> centres = Joined(x, y);
   const Variance variance = CentreVariance(centres);
+  const double deviation = DifferenceDeviation(centres, variance);
   GeometricConfig fitted;
   fitted.sigma_px = std::sqrt(variance.constant);
   fitted.sigma_relative = std::sqrt(variance.slope);
   fitted.size_factor =
       SizeFactor(Joined(PairsOf(samples, &One::w, 0), PairsOf(samples, &One::h, 1)), variance);
-  fitted.correlation = Correlation(centres, variance);
-  FitGross(samples, variance, &fitted);
+  fitted.correlation = std::clamp(1 - deviation * deviation / 2, -0.99, 0.99);
+  FitGross(x, y, variance, deviation, &fitted);
   FitMisses(samples, &fitted);
   return fitted;
 }
