@@ -14,14 +14,9 @@ namespace {
 
 std::vector<RigEstimators> EstimatorsOf(const Scenario& flight,
                                         const std::vector<TrialMethod>& methods) {
-  AircraftConfig config = flight.ForAircraft();
   std::vector<RigEstimators> estimators;
   for (const TrialMethod& method : methods) {
-    config.estimator.methods = {method.method};
-    if (!method.card.empty()) {
-      config.estimator.correction = {method.card, method.card, "the table"};
-    }
-    estimators.emplace_back(config);
+    estimators.emplace_back(ConfigFor(method, flight.ForAircraft()));
   }
   return estimators;
 }
@@ -52,6 +47,12 @@ std::vector<TriedFrame> TryOn(const Scenario& scenario, const std::vector<TrialM
 
 }  // namespace
 
+AircraftConfig ConfigFor(const TrialMethod& method, AircraftConfig config) {
+  config.estimator.methods = {method.method};
+  if (!method.card.empty()) config.estimator.correction = {method.card, method.card, "the table"};
+  return config;
+}
+
 std::vector<std::vector<TriedFrame>> TryMethods(const std::vector<Scenario>& flights,
                                                 const std::vector<TrialMethod>& methods,
                                                 int threads) {
@@ -64,8 +65,7 @@ std::vector<std::vector<TriedFrame>> TryMethods(const std::vector<Scenario>& fli
 }
 
 double TimeOf_us(const Scenario& scenario, const TrialMethod& method) {
-  AircraftConfig config = scenario.ForAircraft();
-  if (!method.card.empty()) config.estimator.correction = {method.card, method.card, "the table"};
+  const AircraftConfig config = ConfigFor(method, scenario.ForAircraft());
   std::vector<StereoObservation> observations;
   GeometricFlight flight(scenario);
   while (const auto frame = flight.Next()) {

@@ -14,6 +14,9 @@ struct TrialMethod {
   std::string card;  ///< The file of estimator.correction; empty: the scenario's.
 };
 
+/// `config` with this method alone, and its card.
+AircraftConfig ConfigFor(const TrialMethod& method, AircraftConfig config);
+
 /// A frame that a score counts, and the distance by each method that has one.
 struct TriedFrame {
   double reference_m = 0;

@@ -33,13 +33,9 @@ std::string LabelsText(const std::vector<LabelledBox>& labels, const cv::Size& s
 
 std::vector<std::unique_ptr<RangeEstimator>> EstimatorsOf(const Scenario& base,
                                                           const std::vector<TrialMethod>& methods) {
-  AircraftConfig config = base.ForAircraft();
   std::vector<std::unique_ptr<RangeEstimator>> estimators;
   for (const TrialMethod& method : methods) {
-    if (!method.card.empty()) {
-      config.estimator.correction = {method.card, method.card, "the table"};
-    }
-    estimators.push_back(MakeRangeEstimator(method.method, config));
+    estimators.push_back(MakeRangeEstimator(method.method, ConfigFor(method, base.ForAircraft())));
   }
   return estimators;
 }
