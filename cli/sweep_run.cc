@@ -28,12 +28,16 @@ bool HasImages(const Scenario& scenario) {
   return scenario.observe == Observe::kImage || scenario.observe == Observe::kAnnotated;
 }
 
+void WriteResolved(const Scenario& scenario, const fs::path& folder) {
+  ReplaceFile(folder / "resolved.yaml", ResolvedYaml(scenario, PathStyle::kAbsolute));
+}
+
 RunSummary Fly(const Scenario& scenario, const fs::path& folder) {
   RunOptions options;
   options.quiet = true;
   options.no_report = true;
   if (!HasImages(scenario)) return RunInOneProcess(scenario, folder, options);
-  ReplaceFile(folder / "resolved.yaml", ResolvedYaml(scenario, PathStyle::kAbsolute));
+  WriteResolved(scenario, folder);
   return RunProcesses(scenario, folder, options);
 }
 
@@ -101,7 +105,7 @@ RunRow RunAndScore(const Scenario& drawn, std::size_t point, const RunPlace& pla
   const RunSummary summary = Fly(drawn, folder);
   RunRow row = Score(summary, folder, options);
   if (row.verdict != "pass" && !summary.interrupted) {
-    ReplaceFile(folder / "resolved.yaml", ResolvedYaml(drawn, PathStyle::kAbsolute));
+    if (!HasImages(drawn)) WriteResolved(drawn, folder);
     Keep(folder, fmt::format("point{}_seed{}", point, drawn.random_seed), options);
   }
   return row;
