@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/manifest.h"
 #include "cli/progress.h"
+#include "cli/sweep_cards.h"
 #include "cli/sweep_folder.h"
 #include "cli/sweep_run.h"
 #include "cli/sweep_slurm.h"
@@ -64,10 +65,12 @@ bool RunHere(const Options& options, const SweepPlan& plan, const ProcessShare& 
   };
   const SweepRunOptions run{
       .out = folder.path(), .metrics = plan.metrics, .keep = plan.config.keep};
+  std::optional<SweepCards> cards;
+  if (plan.config.retrain) cards.emplace(plan, folder.path());
   return RunPool(
       plan,
       [&](const Scenario& drawn, std::size_t point, const RunPlace& place) {
-        return RunAndScore(drawn, point, place, run);
+        return RunAndScore(cards ? cards->WithCard(drawn, point) : drawn, point, place, run);
       },
       pool);
 }
@@ -96,6 +99,7 @@ int Sweep(const Options& options) {
   const bool on_slurm = options.executor == "slurm";
   const ProcessShare share = ShareOf(options);
   const SweepPlan plan = LoadSweepPlan(options.file);
+  CheckRetraining(plan);
   CheckEstimatorsOf(plan);
   if (on_slurm && FindTool("sbatch").empty()) {
     fmt::print(stderr,

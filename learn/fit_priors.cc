@@ -14,7 +14,6 @@ namespace windhover {
 namespace {
 
 constexpr std::size_t kLeastTuples = 20;  // Of a flight.
-constexpr std::size_t kLeastFlights = 3;
 constexpr int kRounds = 30;
 constexpr double kHuber = 1.5;       // Standard deviations that weigh in full.
 constexpr double kToSigma = 1.4826;  // Median absolute deviation of a normal distribution.

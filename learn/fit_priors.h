@@ -8,6 +8,9 @@
 
 namespace windhover {
 
+/// Flights, of 20 tuples at least, that priors are fitted to.
+inline constexpr std::size_t kLeastFlights = 3;
+
 /// The priors that the training tuples of a rig teach, robustly:
 ///
 /// 1. Each flight's disparity offset and the length by which its labels exceed ranges. The

@@ -9,8 +9,9 @@
 
 namespace windhover {
 
-/// Whether the input files that a scenario names have to be there.
-enum class InputFiles { kMustExist, kNotNeeded };
+/// Whether the input files that a scenario names have to be there. kCardComesLater: they must, but
+/// estimator.correction is trained before a run and need not even be named.
+enum class InputFiles { kMustExist, kCardComesLater, kNotNeeded };
 
 /// Findings of rules between fields, each at its place in the tree that they were read from.
 class RuleFindings {
@@ -18,6 +19,8 @@ class RuleFindings {
   /// `root` and `findings` must outlive this.
   RuleFindings(const ConfigNode& root, InputFiles files, Findings& findings)
       : root_(root), files_(files), findings_(findings) {}
+
+  InputFiles files() const { return files_; }
 
   /// `uses`: what else the rule looks at. Where that is wrong, or `path` itself, the rule would
   /// only repeat a mistake that is already reported, and nothing is added.

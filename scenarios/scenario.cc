@@ -39,8 +39,9 @@ AircraftConfig Scenario::ForAircraft() const {
   return config;
 }
 
-Scenario UndrawnScenarioOf(const ConfigNode& root, const std::vector<std::string>& held_keys) {
-  Scenario scenario = ReadScenario(root, InputFiles::kMustExist);
+Scenario UndrawnScenarioOf(const ConfigNode& root, const std::vector<std::string>& held_keys,
+                           InputFiles files) {
+  Scenario scenario = ReadScenario(root, files);
   if (scenario.geometric.noise == BoxNoiseSource::kFitted) {
     scenario.geometric = ReadFittedBoxNoise(scenario.estimator.detector_model);
   }

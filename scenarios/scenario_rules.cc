@@ -16,10 +16,6 @@
 namespace windhover {
 namespace {
 
-// Methods that know nothing without `estimator.correction`.
-const std::set<std::string> kTrainedMethods = {"pcm", "pcm_dic", "pcm_dic_star", "joint_mlp",
-                                               "fused"};
-
 // A visitor of Fields that writes every value.
 class ValueLister {
  public:
@@ -194,7 +190,8 @@ class RuleChecker {
              fmt::format("'{}'", estimator.in_loop), {"estimator.methods"});
     }
     for (const std::string& method : methods) {
-      if (!kTrainedMethods.contains(method) || !estimator.correction.empty()) continue;
+      if (findings_.files() != InputFiles::kMustExist) break;
+      if (!NeedsCorrection(method) || !estimator.correction.empty()) continue;
       MustBe("estimator.correction", fmt::format("the file of a trained correction for {}", method),
              "none", {"estimator.methods"});
       break;
@@ -248,6 +245,12 @@ class RuleChecker {
 };
 
 }  // namespace
+
+bool NeedsCorrection(const std::string& method) {
+  static const std::set<std::string> kTrained = {"pcm", "pcm_dic", "pcm_dic_star", "joint_mlp",
+                                                 "fused"};
+  return kTrained.contains(method);
+}
 
 void CheckRules(const Scenario& scenario, const ConfigNode& root, InputFiles files,
                 Findings& findings) {

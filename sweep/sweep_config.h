@@ -132,6 +132,7 @@ struct SweepConfig {
   std::vector<SweepGate> gates;
   int retries = 1;
   int keep = 20;
+  bool retrain = false;
   AnalysisConfig analysis;
 
   template <typename Visitor>
@@ -147,6 +148,8 @@ struct SweepConfig {
     v.List("gates", gates, "the sweep passes when all hold");
     v.Field("retries", retries, InRange{0, 10}, "how often an invalid run is tried again");
     v.Field("keep", keep, InRange{0, 100000}, "folders of runs that do not pass, at most");
+    v.Field("retrain", retrain, AnyBool{},
+            "train what methods learn on the rig of each point; estimator.correction is not used");
     v.Section("analysis", analysis, "what the report looks at");
   }
 };

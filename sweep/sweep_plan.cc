@@ -101,6 +101,13 @@ void CheckPoints(const SweepPlan& plan) {
   if (!mistakes.empty()) throw ConfigError(mistakes);
 }
 
+Scenario UndrawnOf(const SweepPlan& plan, const ConfigNode& root) {
+  if (!plan.config.retrain) return UndrawnScenarioOf(root, plan.held_keys);
+  Scenario scenario = UndrawnScenarioOf(root, plan.held_keys, InputFiles::kCardComesLater);
+  scenario.estimator.correction = {};
+  return scenario;
+}
+
 void TakeFactors(SweepPlan* plan) {
   for (std::size_t f = 0; f < plan->config.factors.size(); ++f) {
     plan->factors.emplace_back(plan->config.factors[f]);
@@ -120,8 +127,10 @@ Scenario SweepPlan::ScenarioAt(std::size_t point) const {
     value.where = PlaceOf(*this, f, value.scalar);
     SetNode(root, factors[f].key(), key_places[f], value);
   }
-  return UndrawnScenarioOf(root, held_keys);
+  return UndrawnOf(*this, root);
 }
+
+Scenario SweepPlan::BaseScenario() const { return UndrawnOf(*this, base); }
 
 std::size_t SweepPlan::FactorNamed(const std::string& key) const {
   const auto at = std::find_if(factors.begin(), factors.end(),
@@ -149,7 +158,7 @@ SweepPlan SweepPlanOf(ConfigNode source) {
   findings.ThrowIfAny();
   plan.base = BaseTree(plan.config.base, set);
   ListPaths(set, "", &plan.held_keys);
-  const Scenario base = UndrawnScenarioOf(plan.base, plan.held_keys);
+  const Scenario base = plan.BaseScenario();
   TakeFactors(&plan);
   plan.metrics = plan.config.metrics.empty() ? UsualMetrics(base) : plan.config.metrics;
   CheckSweepMetrics(plan.config, plan.metrics, base, plan.source, findings);
@@ -171,13 +180,14 @@ Json PlanJson(const SweepPlan& plan, const std::string& build) {
     }
   }
   return {{"build", build},
-          {"scenario", LogHeaderYaml(UndrawnScenarioOf(plan.base, plan.held_keys))},
+          {"scenario", LogHeaderYaml(plan.BaseScenario())},
           {"inputs", inputs},
           {"factors", KeysOf(plan.factors)},
           {"points", plan.points},
           {"seeds", WriteConfig(plan.config.seeds, PathStyle::kNameOnly)},
           {"stop", WriteConfig(plan.config.stop, PathStyle::kNameOnly)},
           {"metrics", plan.metrics},
+          {"retrain", plan.config.retrain},
           {kSweep, WriteConfig(plan.config, PathStyle::kNameOnly)}};
 }
 

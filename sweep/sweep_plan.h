@@ -24,8 +24,12 @@ struct SweepPlan {
     return config.seeds.first + static_cast<std::uint64_t>(run);
   }
 
-  /// The scenario of a point with nothing drawn; its random_seed is still to be set.
+  /// The scenario of a point with nothing drawn; its random_seed is still to be set, and where
+  /// `retrain` is true its estimator.correction.
   Scenario ScenarioAt(std::size_t point) const;
+
+  /// The same without factors.
+  Scenario BaseScenario() const;
 
   /// Index of the factor with this key; the number of factors if there is none.
   std::size_t FactorNamed(const std::string& key) const;
