@@ -15,6 +15,8 @@ for name in ideal_geometric crossing_pair head_on_swarm; do
       --max-worse methods.baseline.abs_rel_all=0.01 --max-worse swarm.collisions=0 \
       --max-worse swarm.min_separation_m=0.2
     note $?
+  else
+    echo "no stored result of main to compare $name with"
   fi
 done
 exit "$worst"
