@@ -1,5 +1,6 @@
 #include <algorithm>
-#include <cmath>
+#include <map>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -11,12 +12,40 @@ namespace {
 
 using Eigen::Index;
 
-/// Smallest, middle and largest value of a coordinate, coded.
-std::vector<double> ThreeOf(const Eigen::VectorXd& column) {
-  const std::set<double> values(column.begin(), column.end());
-  std::vector<double> sorted(values.begin(), values.end());
-  std::set<double> three = {sorted.front(), sorted[sorted.size() / 2], sorted.back()};
+std::vector<double> ValuesOf(const ResponseGroup& group, std::size_t factor) {
+  const auto column = group.x.col(static_cast<Index>(factor));
+  return {column.begin(), column.end()};
+}
+
+/// The value that most points have, coded: the base's where one factor is changed at a time. The
+/// middle one of several.
+double UsualOf(const ResponseGroup& group, std::size_t factor) {
+  std::map<double, int> counts;
+  for (const double value : ValuesOf(group, factor)) ++counts[value];
+  int most = 0;
+  for (const auto& [value, n] : counts) most = std::max(most, n);
+  std::erase_if(counts, [&](const auto& one) { return one.second < most; });
+  return std::next(counts.begin(), static_cast<std::ptrdiff_t>(counts.size() / 2))->first;
+}
+
+/// Smallest, usual and largest value of a factor, coded.
+std::vector<double> ThreeOf(const ResponseGroup& group, std::size_t factor) {
+  const std::vector<double> values = ValuesOf(group, factor);
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const std::set<double> three = {*low, UsualOf(group, factor), *high};
   return {three.begin(), three.end()};
+}
+
+/// Rows of the points that differ from the usual ones in the map's axes alone.
+std::vector<Index> RowsOfTheMap(const SweepAnalysis& analysis, const ResponseGroup& group) {
+  std::vector<Index> rows(static_cast<std::size_t>(group.x.rows()));
+  std::iota(rows.begin(), rows.end(), Index{0});
+  for (std::size_t f = 0; f < analysis.response.numbers.size(); ++f) {
+    if (f == analysis.x || f == analysis.y) continue;
+    const double usual = UsualOf(group, f);
+    std::erase_if(rows, [&](Index i) { return group.x(i, static_cast<Index>(f)) != usual; });
+  }
+  return rows;
 }
 
 ChartSeries LineAt(const SweepAnalysis& analysis, const ResponseGroup& group, double y, int look) {
@@ -30,7 +59,7 @@ ChartSeries LineAt(const SweepAnalysis& analysis, const ResponseGroup& group, do
     series.name += fmt::format("{}{} = {:.3g}", series.name.empty() ? "" : ", ",
                                numbers[analysis.y].key, numbers[analysis.y].Decode(y));
   }
-  for (Index i = 0; i < group.x.rows(); ++i) {
+  for (const Index i : RowsOfTheMap(analysis, group)) {
     if (has_y && group.x(i, static_cast<Index>(analysis.y)) != y) continue;
     const double value = group.y[i], width = 1.96 * group.sigma[i];
     series.points.push_back(
@@ -57,8 +86,7 @@ std::vector<Figure> LineFigures(const SweepPlan&, const SweepAnalysis& analysis)
                 .y_label = response.metric,
                 .series = {}};
     const bool has_y = analysis.y < response.numbers.size();
-    const auto values =
-        has_y ? ThreeOf(group.x.col(static_cast<Index>(analysis.y))) : std::vector<double>{0};
+    const auto values = has_y ? ThreeOf(group, analysis.y) : std::vector<double>{0};
     for (const double y : values) {
       ChartSeries series = LineAt(analysis, group, y, static_cast<int>(chart.series.size()));
       if (series.points.size() > 1) chart.series.push_back(std::move(series));

@@ -1,5 +1,6 @@
 #include "sweep/response.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -260,6 +261,31 @@ TEST_F(Analysis, IsDrawnAndReported) {
   for (const char* remote : {"src=\"http", "href=\"http", "@import", "url("}) {
     EXPECT_THAT(report, testing::Not(HasSubstr(remote))) << "needs no network";
   }
+}
+
+// One factor at a time: 11 points have x = 2, only those that differ from the base in x are its
+// line.
+TEST_F(Analysis, ALineHasTheOtherFactorsAtTheirUsualValue) {
+  plan_.factors.clear();
+  for (const char* key : {"x", "y", "z"}) {
+    plan_.factors.emplace_back(FactorConfig{.key = key, .min = 0, .max = 10, .levels = 6});
+  }
+  plan_.points = DesignPoints({.type = DesignType::kOneAtATime}, plan_.factors, {"2", "2", "2"});
+  ASSERT_EQ(plan_.points.size(), 16u);
+  points_.clear();
+  for (int i = 0; i < 16; ++i) {
+    points_.push_back({.point = i, .n_runs = 1, .metrics = {{1, i, {}}, {1, 1, {}}}});
+  }
+  const std::vector<Figure> figures = SweepFigures(plan_, AnalyseSweep(plan_, points_));
+  const auto lines = std::find_if(figures.begin(), figures.end(),
+                                  [](const Figure& figure) { return figure.name == "lines_0"; });
+  ASSERT_NE(lines, figures.end());
+  int n_marks = 0;
+  for (std::size_t at = 0; (at = lines->svg.find("r=\"3.2\"", at)) != std::string::npos; ++at) {
+    ++n_marks;
+  }
+  EXPECT_EQ(n_marks, 6 + 1) << "six values of x, and the legend's mark";
+  EXPECT_THAT(lines->svg, HasSubstr("y = 2"));
 }
 
 TEST_F(Analysis, TakesASweepOfOnePoint) {
