@@ -10,7 +10,7 @@
 #include "cli/command.h"
 #include "cli/dataset_scenario.h"
 #include "cli/progress.h"
-#include "common/config/fields.h"
+#include "cli/train_detector_options.h"
 #include "common/file/sha256.h"
 #include "common/file/whole_file.h"
 #include "common/process/process.h"
@@ -27,22 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-struct Options {
-  std::string scenario = std::string(WINDHOVER_SCENARIOS_DIR) + "/presets/calibrated.yaml";
-  std::string out, state, from, first, labelled;
-  double labelled_share = 0.5;
-  std::vector<std::string> panoramas, photos;
-  DetectorRecipe recipe;
-  std::uint64_t data_seed = 1;
-  int batch = 32, crop_px = 128, whole_every = 10, threads = 1;
-  std::optional<double> minutes;
-  bool resume = false;
-};
-
 constexpr double kShareBesideMistakes = 0.5;  // Of samples that show an aircraft.
 constexpr int kSettlingSteps = 150;  // A running mean keeps 0.97 a batch: 1 % of what it was.
-
-bool IsRefiner(const Options& options) { return options.recipe.network == "yolox_refine"; }
 
 std::string NameOf(const std::string& file) { return fs::path(file).filename().string(); }
 
@@ -52,7 +38,7 @@ std::string FolderNameOf(const fs::path& folder) {
 }
 
 // Without what changes nothing: where files are, how many threads there were, and stops.
-std::string CommandOf(const Options& options) {
+std::string CommandOf(const TrainDetectorOptions& options) {
   const DetectorRecipe& recipe = options.recipe;
   std::string command = fmt::format(
       "windhover train detector {} --network {} --steps {} --batch {} --crop {} "
@@ -63,6 +49,7 @@ std::string CommandOf(const Options& options) {
   for (const std::string& file : options.photos) command += " --photo " + NameOf(file);
   if (!options.from.empty()) command += " --from " + NameOf(options.from);
   if (!options.first.empty()) command += " --first " + NameOf(options.first);
+  if (!options.second.empty()) command += " --second " + NameOf(options.second);
   if (!options.labelled.empty()) {
     command += fmt::format(" --labelled {} --labelled-share {}", FolderNameOf(options.labelled),
                            options.labelled_share);
@@ -70,7 +57,7 @@ std::string CommandOf(const Options& options) {
   return command;
 }
 
-PictureConfig PicturesOf(const Options& options) {
+PictureConfig PicturesOf(const TrainDetectorOptions& options) {
   PictureConfig pictures;
   pictures.seed = options.data_seed;
   const auto add = [&](EnvironmentType type, const std::vector<std::string>& files) {
@@ -85,7 +72,8 @@ PictureConfig PicturesOf(const Options& options) {
   return pictures;
 }
 
-std::unique_ptr<DetectorSampleSource> DrawnSource(const Options& options, ReplayConfig replay) {
+std::unique_ptr<DetectorSampleSource> DrawnSource(const TrainDetectorOptions& options,
+                                                  ReplayConfig replay) {
   const Scenario base = LoadDatasetBase(options.scenario, {});
   if (!IsRefiner(options)) return MakeDetectionSource(base, PicturesOf(options), replay);
   FindPlaces find;
@@ -97,7 +85,7 @@ std::unique_ptr<DetectorSampleSource> DrawnSource(const Options& options, Replay
   return MakeRefinementSource(base, PicturesOf(options), replay, std::move(find));
 }
 
-std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options,
+std::unique_ptr<DetectorSampleSource> SourceOf(const TrainDetectorOptions& options,
                                                const std::vector<LabelledFile>& labelled) {
   ReplayConfig replay{.seed = options.data_seed, .batch = options.batch};
   if (!IsRefiner(options)) {
@@ -112,7 +100,7 @@ std::unique_ptr<DetectorSampleSource> SourceOf(const Options& options,
   return Mixed(std::move(own), DrawnSource(options, replay), options.labelled_share);
 }
 
-nlohmann::ordered_json DataOf(const Options& options) {
+nlohmann::ordered_json DataOf(const TrainDetectorOptions& options) {
   nlohmann::ordered_json data = {{"scenario", NameOf(options.scenario)},
                                  {"scenario_sha256", Sha256OfFile(options.scenario)},
                                  {"seed", options.data_seed},
@@ -147,7 +135,7 @@ NetworkWeights WeightsFor(const LayerTable& table, const NetworkModel& model) {
   return weights;
 }
 
-DetectorPlan PlanOf(const Options& options) {
+DetectorPlan PlanOf(const TrainDetectorOptions& options) {
   DetectorPlan plan;
   plan.recipe = options.recipe;
   plan.threads = options.threads;
@@ -176,18 +164,23 @@ DetectorPlan PlanOf(const Options& options) {
 }
 
 // Another second look has other scores and errs in another way.
-void PutIntoFirst(const Options& options, const DetectorCard& refiner) {
+void GiveSecondStage(const DetectorCard& second, const std::string& command, DetectorCard* first) {
+  first->refiner = second.detector;
+  first->refiner_margin = kRefinementMargin;
+  first->box_noise = nullptr;
+  first->provenance.erase("box_noise");
+  first->provenance.erase("min_score");
+  first->provenance["refiner"] = command;
+}
+
+void PutIntoFirst(const TrainDetectorOptions& options, const DetectorCard& refiner) {
   DetectorCard first = ReadDetectorCard(options.first);
-  first.refiner = refiner.detector;
-  first.refiner_margin = kRefinementMargin;
-  first.box_noise = nullptr;
-  first.provenance.erase("box_noise");
-  first.provenance.erase("min_score");
-  first.provenance["refiner"] = CommandOf(options);
+  GiveSecondStage(refiner, CommandOf(options), &first);
   ReplaceFile(options.first, DetectorCardText(first));
 }
 
-void Write(const Options& options, const DetectorPlan& plan, const TrainedDetector& trained) {
+void Write(const TrainDetectorOptions& options, const DetectorPlan& plan,
+           const TrainedDetector& trained) {
   const YoloxNetwork network = MakeYolox(options.recipe.network);
   const fs::path onnx = fs::path(options.out).replace_extension(".onnx");
   ReplaceFile(onnx, NetworkOnnx(network.table, trained.weights, network.height, network.width));
@@ -202,6 +195,10 @@ void Write(const Options& options, const DetectorPlan& plan, const TrainedDetect
                      {"pictures_seen", std::int64_t{trained.steps_done} * options.batch},
                      {"input_px", {network.width, network.height}},
                      {"parameters", ParameterCount(network.table)}};
+  if (!options.second.empty()) {
+    const DetectorCard second = ReadDetectorCard(options.second);
+    GiveSecondStage(second, second.provenance.value("command", ""), &card);
+  }
   ReplaceFile(options.out, DetectorCardText(card));
   if (!options.first.empty()) PutIntoFirst(options, card);
   fs::path curve = options.out;
@@ -209,7 +206,7 @@ void Write(const Options& options, const DetectorPlan& plan, const TrainedDetect
   std::cout << options.out << '\n';
 }
 
-TrainedDetector Train(const Options& options, const DetectorPlan& plan) {
+TrainedDetector Train(const TrainDetectorOptions& options, const DetectorPlan& plan) {
   const Clock::time_point start = Clock::now();
   const auto is_late = [&] {
     return options.minutes &&
@@ -222,21 +219,8 @@ TrainedDetector Train(const Options& options, const DetectorPlan& plan) {
   });
 }
 
-void Check(const Options& options) {
-  if (options.first.empty()) return;
-  if (!IsRefiner(options)) {
-    throw ConfigError(fmt::format("--first: must go with --network yolox_refine (found {})",
-                                  options.recipe.network));
-  }
-  const fs::path folder = fs::weakly_canonical(fs::absolute(options.out).parent_path());
-  if (folder != fs::canonical(fs::absolute(options.first).parent_path())) {
-    throw ConfigError(
-        fmt::format("--first: must be in the folder of --out (found {})", options.first));
-  }
-}
-
-int Main(const Options& options) {
-  Check(options);
+int Main(const TrainDetectorOptions& options) {
+  CheckTrainDetectorOptions(options);
   const DetectorPlan plan = PlanOf(options);
   if (fs::path(options.out).has_parent_path()) {
     fs::create_directories(fs::path(options.out).parent_path());
@@ -254,62 +238,13 @@ int Main(const Options& options) {
   return kGateFailed;
 }
 
-void AddRecipeOptions(CLI::App* app, Options* options) {
-  DetectorRecipe& recipe = options->recipe;
-  app->add_option("--network", recipe.network, "which one")->check(CLI::IsMember(kYoloxNetworks));
-  app->add_option("--steps", recipe.steps, "batches to learn")->check(CLI::Range(1, 10000000));
-  app->add_option("--batch", options->batch, "pictures in each")->check(CLI::Range(1, 1024));
-  app->add_option("--crop", options->crop_px, "side of the training pictures (px of 352 x 192)")
-      ->check(CLI::IsMember({64, 96, 128, 160, 192}));
-  app->add_option("--whole-every", options->whole_every,
-                  "steps from one that learns whole pictures to the next; 0: none")
-      ->check(CLI::Range(0, 1000000));
-  app->add_option("--rate", recipe.rate, "the largest")->check(CLI::Range(1e-7, 1.0));
-  app->add_option("--seed", recipe.seed, "of initial weights");
-  app->add_option("--from", options->from, ".onnx file to go on from (fine-tuning)")
-      ->check(CLI::ExistingFile);
-  CLI::Option* labelled =
-      app->add_option("--labelled", options->labelled,
-                      "folder of pictures to learn from, too, as `export --format yolo` writes it")
-          ->check(CLI::ExistingDirectory);
-  app->add_option("--labelled-share", options->labelled_share, "of each batch; 1: nothing else")
-      ->check(CLI::Range(0.01, 1.0))
-      ->needs(labelled);
-  app->add_option("--threads", options->threads, "1 or 2 of learning; changes no bit")
-      ->check(CLI::Range(1, 256));
-}
-
-void AddOptions(CLI::App* app, Options* options) {
-  app->add_option("SCENARIO", options->scenario, "scenario or preset whose rig takes the pictures")
-      ->check(CLI::ExistingFile);
-  app->add_option("--out", options->out, "card to write (.json); .onnx and curve go beside it")
-      ->required();
-  app->add_option("--data-seed", options->data_seed, "which pictures");
-  app->add_option("--panorama", options->panoramas, "background besides the drawn ones")
-      ->check(CLI::ExistingFile);
-  app->add_option("--photo", options->photos, "background besides the drawn ones")
-      ->check(CLI::ExistingFile);
-  app->add_option("--first", options->first,
-                  "for yolox_refine: card beside --out of the network before it, whose mistakes it "
-                  "learns from, too, and whose second stage it becomes")
-      ->check(CLI::ExistingFile);
-  app->add_option("--state", options->state, "where an unfinished training is kept; OUT.state");
-  app->add_option("--minutes", options->minutes, "stop after so many; go on with --resume")
-      ->check(CLI::PositiveNumber);
-  app->add_flag("--resume", options->resume, "go on with an unfinished training");
-  AddRecipeOptions(app, options);
-  app->footer(
-      "Example: windhover train detector --network yolox_small --steps 20000 --threads 2 "
-      "--out models/yolox_small.json");
-}
-
 }  // namespace
 }  // namespace windhover
 
 int main(int argc, char** argv) {
-  windhover::Options options;
+  windhover::TrainDetectorOptions options;
   CLI::App app("trains a detector on rendered pictures", "windhover train detector");
-  windhover::AddOptions(&app, &options);
+  windhover::AddTrainDetectorOptions(&app, &options);
   int exit_code = 0;
   const int status =
       windhover::RunProgram(app, argc, argv, [&] { exit_code = windhover::Main(options); });

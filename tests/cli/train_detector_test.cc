@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/image/image_file.h"
+#include "network/detector_card.h"
 #include "tests/support/program.h"
 
 namespace windhover {
@@ -105,6 +106,34 @@ TEST(TrainDetector, BecomesTheSecondStageOfTheFirst) {
               HasSubstr("--network yolox_refine --steps 2 "));
   EXPECT_EQ(CardOf(folder, "second.json")["provenance"]["data"]["first_sha256"],
             CardOf(folder, "first.json")["detector"]["sha256"]);
+
+  Program other =
+      Train(folder, "yolox_small", "other.json",
+            {"--from", folder.path() / "first.onnx", "--second", folder.path() / "second.json"});
+  ASSERT_EQ(other.Wait(), 0) << other.Err();
+  EXPECT_EQ(CardOf(folder, "other.json")["refiner"], CardOf(folder, "first.json")["refiner"]);
+  EXPECT_EQ(CardOf(folder, "other.json")["provenance"]["refiner"],
+            CardOf(folder, "second.json")["provenance"]["command"]);
+}
+
+TEST(TrainDetector, RefusesASecondStageThatIsNone) {
+  const TemporaryFolder folder;
+  DetectorCard card;
+  card.network = "yolox_small";
+  card.detector = {"x.onnx", std::string(64, '0')};
+  const std::string file = folder.Write("first.json", DetectorCardText(card));
+  const auto refused = [&](const std::string& network, const std::string& out) {
+    Program program({kWindhover, "train", "detector", "--network", network, "--out",
+                     folder.path() / out, "--second", file});
+    EXPECT_EQ(program.Wait(), 2);
+    return program.Err();
+  };
+  EXPECT_THAT(refused("yolox_refine", "x.json"),
+              HasSubstr("--second: must go with a first network (found yolox_refine)"));
+  EXPECT_THAT(refused("yolox_small", "below/x.json"),
+              HasSubstr("--second: must be in the folder of --out (found "));
+  EXPECT_THAT(refused("yolox_small", "x.json"),
+              HasSubstr("--second: must be the card of a yolox_refine (found yolox_small)"));
 }
 
 TEST(TrainDetector, RefusesAFirstStageThatItCannotFollow) {
