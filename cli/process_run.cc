@@ -52,7 +52,7 @@ class ProcessRun {
     const std::string url = OpenBus();
     if (!over_) {
       setenv("LCM_DEFAULT_URL", url.c_str(), 1);
-      fmt::print(stderr, "windhover: bus {} (LCM_DEFAULT_URL)\n", url);
+      if (!options_.quiet) fmt::print(stderr, "windhover: bus {} (LCM_DEFAULT_URL)\n", url);
       StartPeers();
     }
     while (!over_) Watch();

@@ -24,7 +24,7 @@ struct RunOptions {
   bool realtime = false;
   bool no_report = false;
   bool as_json = false;
-  bool quiet = false;     ///< No progress on stderr.
+  bool quiet = false;     ///< Nothing but errors on stderr.
   std::string estimator;  ///< Command of a program to ask instead of ours; or empty.
 };
 
