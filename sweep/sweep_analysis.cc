@@ -24,6 +24,27 @@ std::size_t IndexOf(const std::vector<std::string>& metrics, const std::string& 
   return at == metrics.end() ? 0 : static_cast<std::size_t>(at - metrics.begin());
 }
 
+/// Mean of a metric at the points that differ from the first, the base, in factor `f` at most, with
+/// its values there.
+std::vector<std::pair<std::string, double>> AlongFactor(const SweepPlan& plan,
+                                                        const std::vector<PointSummary>& points,
+                                                        std::size_t metric, std::size_t f) {
+  std::vector<std::pair<std::string, double>> along;
+  for (const PointSummary& point : points) {
+    const DesignPoint& at = plan.points[static_cast<std::size_t>(point.point)];
+    DesignPoint base = plan.points.front();
+    base[f] = at[f];
+    const auto& mean = point.metrics[metric].mean;
+    if (mean && at == base) along.emplace_back(at[f], *mean);
+  }
+  // Words stay in their order.
+  std::stable_sort(along.begin(), along.end(), [](const auto& a, const auto& b) {
+    const auto x = NumberOf(a.first), y = NumberOf(b.first);
+    return x && y && *x < *y;
+  });
+  return along;
+}
+
 /// Analyses one sweep, step by step.
 class Analyst {
  public:
@@ -37,7 +58,9 @@ class Analyst {
     if (!std::isnan(config.limit)) analysis_.limit = config.limit;
     ChooseAxes();
     for (const ResponseGroup& group : response.groups) FitGroup(group);
-    if (!response.groups.empty()) {
+    if (IsOneAtATime()) {
+      FindEffectsOfPoints(IndexOf(plan_.metrics, config.metric));
+    } else if (!response.groups.empty()) {
       FindIndices();
       FindEffects();
     }
@@ -47,6 +70,11 @@ class Analyst {
 
  private:
   const std::vector<CodedFactor>& numbers() const { return analysis_.response.numbers; }
+
+  /// Points that say nothing about two factors together: no surface goes through them.
+  bool IsOneAtATime() const {
+    return plan_.config.design.type == DesignType::kOneAtATime && plan_.factors.size() > 1;
+  }
 
   std::size_t NumberNamed(const std::string& key, std::size_t otherwise) const {
     for (std::size_t i = 0; i < numbers().size(); ++i) {
@@ -71,7 +99,7 @@ class Analyst {
   void FitGroup(const ResponseGroup& group) {
     GroupAnalysis& result = analysis_.groups.emplace_back();
     result.name = group.Name();
-    if (numbers().empty() || group.x.rows() > kMostPoints) return;
+    if (numbers().empty() || group.x.rows() > kMostPoints || IsOneAtATime()) return;
     const auto surface = std::make_shared<GaussianProcess>(group.x, group.y, group.sigma);
     result.surface = surface;
     std::vector<std::string> names;
@@ -159,6 +187,23 @@ class Analyst {
                                    .at_low = ResponseAt(low),
                                    .at_high = ResponseAt(high)});
     }
+    SortEffects();
+  }
+
+  void FindEffectsOfPoints(std::size_t metric) {
+    for (std::size_t f = 0; f < plan_.factors.size(); ++f) {
+      const auto along = AlongFactor(plan_, points_, metric, f);
+      if (along.size() < 2) continue;
+      analysis_.effects.push_back({.key = plan_.factors[f].key(),
+                                   .low = along.front().first,
+                                   .high = along.back().first,
+                                   .at_low = along.front().second,
+                                   .at_high = along.back().second});
+    }
+    SortEffects();
+  }
+
+  void SortEffects() {
     std::stable_sort(analysis_.effects.begin(), analysis_.effects.end(),
                      [](const FactorEffect& a, const FactorEffect& b) {
                        return std::abs(a.at_high - a.at_low) > std::abs(b.at_high - b.at_low);

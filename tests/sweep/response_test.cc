@@ -276,7 +276,9 @@ TEST_F(Analysis, ALineHasTheOtherFactorsAtTheirUsualValue) {
   for (int i = 0; i < 16; ++i) {
     points_.push_back({.point = i, .n_runs = 1, .metrics = {{1, i, {}}, {1, 1, {}}}});
   }
-  const std::vector<Figure> figures = SweepFigures(plan_, AnalyseSweep(plan_, points_));
+  plan_.config.design.type = DesignType::kOneAtATime;
+  const SweepAnalysis analysis = AnalyseSweep(plan_, points_);
+  const std::vector<Figure> figures = SweepFigures(plan_, analysis);
   const auto lines = std::find_if(figures.begin(), figures.end(),
                                   [](const Figure& figure) { return figure.name == "lines_0"; });
   ASSERT_NE(lines, figures.end());
@@ -286,6 +288,16 @@ TEST_F(Analysis, ALineHasTheOtherFactorsAtTheirUsualValue) {
   }
   EXPECT_EQ(n_marks, 6 + 1) << "six values of x, and the legend's mark";
   EXPECT_THAT(lines->svg, HasSubstr("y = 2"));
+  // What no point says is not drawn. x = 0, 4, 6, 8, 10 are points 1 to 5, y 6 to 10, z 11 to 15.
+  EXPECT_TRUE(std::none_of(figures.begin(), figures.end(), [](const Figure& figure) {
+    return figure.name.starts_with("map") || figure.name.starts_with("sobol");
+  }));
+  ASSERT_EQ(analysis.effects.size(), 3u);
+  EXPECT_EQ(analysis.effects[0].key, "x");
+  EXPECT_EQ(analysis.effects[0].low, "0");
+  EXPECT_EQ(analysis.effects[0].high, "10");
+  EXPECT_EQ(analysis.effects[0].at_low, 1);
+  EXPECT_EQ(analysis.effects[0].at_high, 5);
 }
 
 TEST_F(Analysis, TakesASweepOfOnePoint) {
