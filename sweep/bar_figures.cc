@@ -104,7 +104,7 @@ std::vector<Figure> TornadoFigures(const SweepAnalysis& analysis) {
          {{std::min(effect.at_low, effect.at_high), std::max(effect.at_low, effect.at_high),
            effect.at_high > effect.at_low ? "#d55e00" : "#0072b2"}}});
   }
-  const std::string title = "What each factor does, the others in the middle (orange: it rises)";
+  const std::string title = "What each factor does alone (orange: it rises)";
   return {{"tornado", title, BarsSvg(title, analysis.response.metric, rows, centre)}};
 }
 
