@@ -5,20 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "common/random/random_stream.h"
+#include "tests/support/image_box.h"
 
 namespace windhover {
 namespace {
 
 constexpr int kWidth_px = 640, kHeight_px = 360;
-
-image_box_t Box(double x, double y, double w, double h) {
-  image_box_t box{};
-  box.x_px = x;
-  box.y_px = y;
-  box.w_px = w;
-  box.h_px = h;
-  return box;
-}
 
 /// Four round blotches, two colours, within ± `size_px` / 2 of (x, y), before `background`.
 cv::Mat Image(double x, double y, double size_px, const cv::Mat& background) {

@@ -5,17 +5,9 @@
 #include <vector>
 
 #include "eval/run_record.h"
+#include "tests/support/image_box.h"
 
 namespace windhover {
-
-inline image_box_t Box(double x_px, double y_px, double w_px, double h_px) {
-  image_box_t box{};
-  box.x_px = x_px;
-  box.y_px = y_px;
-  box.w_px = w_px;
-  box.h_px = h_px;
-  return box;
-}
 
 inline target_view_t View(const image_box_t& box) {
   target_view_t view{};

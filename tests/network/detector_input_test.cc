@@ -8,20 +8,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/random/random_stream.h"
+#include "tests/support/image_box.h"
 
 namespace windhover {
 namespace {
 
 using ::testing::ElementsAre;
-
-image_box_t Box(double x, double y, double w, double h) {
-  image_box_t box{};
-  box.x_px = x;
-  box.y_px = y;
-  box.w_px = w;
-  box.h_px = h;
-  return box;
-}
 
 cv::Mat RandomImage(int width, int height) {
   RandomStream stream(1, "image");

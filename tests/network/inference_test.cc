@@ -11,6 +11,7 @@
 #include "network/network_file.h"
 #include "network/network_onnx.h"
 #include "network/yolox.h"
+#include "tests/support/image_box.h"
 
 namespace windhover {
 namespace {
@@ -53,15 +54,6 @@ TEST(Inference, OneDnnAgreesWithOpenCv) {
       EXPECT_LT(difference, 1e-4 * std::max(1.f, largest)) << name << " output " << i;
     }
   }
-}
-
-image_box_t Box(double x, double y, double w, double h) {
-  image_box_t box{};
-  box.x_px = x;
-  box.y_px = y;
-  box.w_px = w;
-  box.h_px = h;
-  return box;
 }
 
 /// One level of 2 x 3 cells, whose cell in row 1, column 2 sees a box of 3 x 2 cells.

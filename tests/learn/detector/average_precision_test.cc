@@ -7,18 +7,10 @@
 
 #include "common/random/random_stream.h"
 #include "learn/detector/evaluation_set.h"
+#include "tests/support/image_box.h"
 
 namespace windhover {
 namespace {
-
-image_box_t Box(double x_px, double y_px, double w_px, double h_px) {
-  image_box_t box{};
-  box.x_px = x_px;
-  box.y_px = y_px;
-  box.w_px = w_px;
-  box.h_px = h_px;
-  return box;
-}
 
 ScoredBox Found(double score, double x_px, double w_px = 10) {
   return {.box = Box(x_px, 0, w_px, 10), .score = score};

@@ -13,19 +13,11 @@
 #include "learn/detector/picture_scene.h"
 #include "learn/detector/replay_source.h"
 #include "network/detector_input.h"
+#include "tests/support/image_box.h"
 #include "tests/support/temporary_folder.h"
 
 namespace windhover {
 namespace {
-
-image_box_t Box(double x_px, double y_px, double w_px, double h_px) {
-  image_box_t box{};
-  box.x_px = x_px;
-  box.y_px = y_px;
-  box.w_px = w_px;
-  box.h_px = h_px;
-  return box;
-}
 
 bool AreEqual(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
