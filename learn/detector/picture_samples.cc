@@ -96,10 +96,9 @@ DetectorSample WholeSample(const LabelledPicture& picture) {
 FindPlaces PlacesFoundBy(const NetworkModel& first) {
   const auto network = std::make_shared<BoxNetwork>(first, /*batch=*/1);
   return [network](const cv::Mat& rgb) {
+    const std::vector<ScoredBox> found = network->FindInWhole({&rgb, 1}, kWorthALook)[0];
     std::vector<image_box_t> places;
-    for (const ScoredBox& box : network->FindInWhole({&rgb, 1}, kWorthALook)[0]) {
-      places.push_back(box.box);
-    }
+    for (const ScoredBox& box : found) places.push_back(box.box);
     return places;
   };
 }

@@ -12,7 +12,9 @@
 #include "learn/detector/picture_samples.h"
 #include "learn/detector/picture_scene.h"
 #include "learn/detector/replay_source.h"
+#include "network/box_network.h"
 #include "network/detector_input.h"
+#include "network/yolox.h"
 #include "tests/support/image_box.h"
 #include "tests/support/temporary_folder.h"
 
@@ -324,6 +326,20 @@ TEST(PictureSamples, LooksWhereTheFirstNetworkDid) {
   EXPECT_FALSE(samples[2].box);
   EXPECT_TRUE(AreEqual(samples[2].rgb, seen(places[0])));
   EXPECT_TRUE(AreEqual(samples[3].rgb, seen(places[3])));
+}
+
+TEST(PictureSamples, HaveThePlacesOfAFirstNetwork) {
+  const LayerTable table = MakeYolox("yolox_small").table;
+  const NetworkModel first{table, RandomWeights(table, 2), /*height=*/64, /*width=*/96, ""};
+  const cv::Mat rgb = GreyPicture().rgb;
+  const auto boxes = BoxNetwork(first, 1).FindInWhole({&rgb, 1}, kWorthALook).at(0);
+  const auto places = PlacesFoundBy(first)(rgb);
+  ASSERT_FALSE(boxes.empty());
+  ASSERT_EQ(places.size(), boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_EQ(places[i].x_px, boxes[i].box.x_px) << i;
+    EXPECT_EQ(places[i].w_px, boxes[i].box.w_px) << i;
+  }
 }
 
 TEST(PictureSamples, LeavesOutWhatIsHardlyThere) {
