@@ -14,8 +14,9 @@ double Width_px(const Scenario& scenario, const Sight& at) {
 
 Effect Noise(const Scenario& of, const Sight& at) {
   const GeometricConfig& boxes = of.geometric;
-  const double sigma_px = std::hypot(boxes.sigma_px, boxes.sigma_relative * Width_px(of, at));
-  return OfDisparity(at, 0, DisparitySigma_px(sigma_px, sigma_px, boxes.correlation));
+  const double width_px = Width_px(of, at);
+  const double sigma_px = std::hypot(boxes.sigma_px, boxes.sigma_relative * width_px);
+  return OfDisparity(at, 0, DisparitySigma_px(sigma_px, sigma_px, CorrelationOfX(boxes, width_px)));
 }
 
 // Rare and large: small enough for first order is one of them, not their mean.
@@ -40,6 +41,8 @@ void AddBoxSources(const Scenario& scenario, ErrorSources* sources) {
                               to->geometric.sigma_px = from.geometric.sigma_px;
                               to->geometric.sigma_relative = from.geometric.sigma_relative;
                               to->geometric.correlation = from.geometric.correlation;
+                              to->geometric.correlation_width_px =
+                                  from.geometric.correlation_width_px;
                             },
                         .first_order = Noise});
   }

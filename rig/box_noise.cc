@@ -47,6 +47,13 @@ double MissProbability(const GeometricConfig& config, double width_px) {
   return config.miss_rate + (1 - config.miss_rate) * narrow;
 }
 
+double CorrelationOfX(const GeometricConfig& config, double width_px) {
+  if (config.correlation_width_px == 0) return config.correlation;
+  const double more = 1 + std::pow(width_px / config.correlation_width_px, 2);
+  const double shared = std::max(0.0, 1 - (1 - std::abs(config.correlation)) * more);
+  return std::copysign(shared, config.correlation);
+}
+
 BoxNoise::BoxNoise(const GeometricConfig& config, std::uint64_t seed, std::string name)
     : config_(config), seed_(seed), name_(std::move(name)) {}
 
@@ -54,16 +61,17 @@ std::optional<BoxErrors> BoxNoise::At(int tick, const BoxSize& left, const BoxSi
   RandomStream stream = StreamAt(seed_, name_, tick);
   if (stream.Uniform() < MissProbability(config_, std::min(left[0], right[0]))) return std::nullopt;
   BoxErrors errors;
-  const auto add = [&](double BoxErrors::OneImage::*value, int side, double factor) {
+  const auto add = [&](double BoxErrors::OneImage::*value, int side, double factor,
+                       double correlation) {
     const auto sigma_px = [&](const BoxSize& size) {
       return factor * std::hypot(config_.sigma_px, config_.sigma_relative * size[side]);
     };
-    AddPair(config_.correlation, sigma_px(left), sigma_px(right), value, &stream, &errors);
+    AddPair(correlation, sigma_px(left), sigma_px(right), value, &stream, &errors);
   };
-  add(&BoxErrors::OneImage::x, 0, 1);
-  add(&BoxErrors::OneImage::y, 1, 1);
-  add(&BoxErrors::OneImage::w, 0, config_.size_factor);
-  add(&BoxErrors::OneImage::h, 1, config_.size_factor);
+  add(&BoxErrors::OneImage::x, 0, 1, CorrelationOfX(config_, (left[0] + right[0]) / 2));
+  add(&BoxErrors::OneImage::y, 1, 1, config_.correlation);
+  add(&BoxErrors::OneImage::w, 0, config_.size_factor, config_.correlation);
+  add(&BoxErrors::OneImage::h, 1, config_.size_factor, config_.correlation);
   if (config_.gross_rate > 0) {
     RandomStream gross = StreamAt(seed_, name_ + "/gross", tick);
     AddGrossError(config_, left, &gross, &errors.left);

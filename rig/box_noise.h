@@ -22,6 +22,7 @@ struct GeometricConfig {
   double sigma_relative = 0.01;
   double size_factor = 1;
   double correlation = 0.5;
+  double correlation_width_px = 0;
   double gross_rate = 0;
   double gross_sigma = 0.12;
   double miss_rate = 0;
@@ -37,6 +38,9 @@ struct GeometricConfig {
     v.Field("size_factor", size_factor, InRange{0, 10},
             "noise of a box's size relative to its centre's; 2 where its edges err independently");
     v.Field("correlation", correlation, InRange{-1, 1}, "of the left and right noise");
+    v.Field("correlation_width_px", correlation_width_px, InRange{0, 10000},
+            "width of a box at which what correlation leaves to each image of the noise of x has "
+            "twice the variance, as both see another side of a near target; 0: of none");
     v.Field("gross_rate", gross_rate, InRange{0, 1}, "share of boxes that are badly misplaced");
     v.Field("gross_sigma", gross_sigma, InRange{0, 10}, "how far, relative to the box size");
     v.Field("miss_rate", miss_rate, InRange{0, 1}, "share of frames without a detection");
@@ -61,6 +65,10 @@ using BoxSize = std::array<double, 2>;
 /// How likely a target is missed whose narrower box is `width_px` wide: miss_rate, and a logistic
 /// function of the width on top of it.
 double MissProbability(const GeometricConfig& config, double width_px);
+
+/// Correlation of the errors in x of the left and right box, `width_px` wide:
+/// 1 - (1 - correlation) (1 + (width / correlation_width_px)²), not across 0; its sign stays.
+double CorrelationOfX(const GeometricConfig& config, double width_px);
 
 /// The noise of one target's boxes as a function of the tick alone. Each edge of a box errs by
 /// hypot(sigma_px, sigma_relative · size) in its centre and by size_factor times that in its

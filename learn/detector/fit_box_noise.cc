@@ -43,7 +43,8 @@ std::vector<Pair> PairsOf(const std::vector<BoxErrorSample>& samples,
   return pairs;
 }
 
-std::vector<Pair> Joined(std::vector<Pair> a, const std::vector<Pair>& b) {
+template <typename T>
+std::vector<T> Joined(std::vector<T> a, const std::vector<T>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
@@ -76,15 +77,10 @@ Variance Regressed(const std::vector<Errors>& errors, const Variance& before) {
   return {constant, slope};
 }
 
-Variance CentreVariance(const std::vector<Pair>& pairs) {
-  std::vector<Errors> all;
+/// Of those within 3.5 deviations, by maximum likelihood.
+Variance VarianceOf(const std::vector<Errors>& all) {
   std::vector<double> absolute;
-  for (const Pair& pair : pairs) {
-    for (const Errors& one : {pair.left, pair.right}) {
-      all.push_back(one);
-      absolute.push_back(std::abs(one.error));
-    }
-  }
+  for (const Errors& one : all) absolute.push_back(std::abs(one.error));
   const double first = std::max(1e-3, DeviationOf(absolute));
   Variance variance{first * first, 0};
   for (int round = 0; round < kRounds; ++round) {
@@ -92,45 +88,42 @@ Variance CentreVariance(const std::vector<Pair>& pairs) {
     std::copy_if(all.begin(), all.end(), std::back_inserter(inside),
                  [&](const Errors& one) { return std::abs(variance.Share(one)) <= kGross; });
     variance = Regressed(inside, variance);
-    variance.constant = std::max(variance.constant, 1e-6);  // A thousandth of a pixel.
+    variance.constant = std::max(variance.constant, 1e-6);  // A thousandth is nothing.
   }
   return variance;
 }
 
-/// How much more one image errs than the other, in deviations of one image.
-double Difference(const Variance& variance, const Pair& pair) {
-  return variance.Share(pair.left) - variance.Share(pair.right);
+std::vector<Errors> Split(const std::vector<Pair>& pairs) {
+  std::vector<Errors> all;
+  for (const Pair& pair : pairs) all.insert(all.end(), {pair.left, pair.right});
+  return all;
 }
 
-/// Deviation of Difference() where neither image errs grossly: sqrt(2 - 2 correlation).
-double DifferenceDeviation(const std::vector<Pair>& pairs, const Variance& variance) {
-  std::vector<double> absolute;
-  for (const Pair& pair : pairs) absolute.push_back(std::abs(Difference(variance, pair)));
-  double deviation = std::max(1e-6, DeviationOf(absolute));
-  for (int round = 0; round < kRounds; ++round) {
-    double n = 0, squares = 0;
-    for (const double difference : absolute) {
-      if (difference > kGross * deviation) continue;
-      ++n;
-      squares += difference * difference;
-    }
-    deviation = std::max(1e-6, std::sqrt(squares / n));
+/// How much more one image errs than the other, in deviations of one image, and the size which
+/// that depends on.
+std::vector<Errors> Differences(const std::vector<Pair>& pairs, const Variance& variance,
+                                bool depends_on_size) {
+  std::vector<Errors> differences;
+  for (const Pair& pair : pairs) {
+    const double size = depends_on_size ? (pair.left.size + pair.right.size) / 2 : 0;
+    differences.push_back({variance.Share(pair.left) - variance.Share(pair.right), size});
   }
-  return deviation;
+  return differences;
 }
 
 /// Gross is what one image errs and the other does not, in x or y: what both err alike moves no
 /// distance.
-void FitGross(const std::vector<Pair>& x, const std::vector<Pair>& y, const Variance& variance,
-              double deviation, GeometricConfig* fitted) {
+void FitGross(const std::vector<Pair>& x, const std::vector<Pair>& y,
+              const std::vector<Errors>& differences_x, const std::vector<Errors>& differences_y,
+              const Variance& of_differences, GeometricConfig* fitted) {
   const auto relative = [](const Pair& pair) {
     return pair.left.error / pair.left.size - pair.right.error / pair.right.size;
   };
   int n_gross = 0;
   double squares = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (std::abs(Difference(variance, x[i])) <= kGross * deviation &&
-        std::abs(Difference(variance, y[i])) <= kGross * deviation) {
+    if (std::abs(of_differences.Share(differences_x[i])) <= kGross &&
+        std::abs(of_differences.Share(differences_y[i])) <= kGross) {
       continue;
     }
     ++n_gross;
@@ -143,12 +136,24 @@ void FitGross(const std::vector<Pair>& x, const std::vector<Pair>& y, const Vari
   if (n_gross > 0) fitted->gross_sigma = std::min(10.0, std::sqrt(squares / (2 * n_images)));
 }
 
+/// How alike both images err, and how often they do not.
+void FitPairs(const std::vector<Pair>& x, const std::vector<Pair>& y, const Variance& variance,
+              GeometricConfig* fitted) {
+  const auto differences_x = Differences(x, variance, /*depends_on_size=*/true);
+  const auto differences_y = Differences(y, variance, /*depends_on_size=*/false);
+  // 2 - 2 correlation, and for x that times (width / correlation_width_px)² more.
+  const Variance of_differences = VarianceOf(Joined(differences_x, differences_y));
+  fitted->correlation = std::clamp(1 - of_differences.constant / 2, -0.99, 0.99);
+  if (of_differences.slope > 0) {
+    const double own = 2 - 2 * fitted->correlation;
+    fitted->correlation_width_px = std::min(1e4, std::sqrt(own / of_differences.slope));
+  }
+  FitGross(x, y, differences_x, differences_y, of_differences, fitted);
+}
+
 double SizeFactor(const std::vector<Pair>& pairs, const Variance& variance) {
   std::vector<double> absolute;
-  for (const Pair& pair : pairs) {
-    absolute.push_back(std::abs(variance.Share(pair.left)));
-    absolute.push_back(std::abs(variance.Share(pair.right)));
-  }
+  for (const Errors& one : Split(pairs)) absolute.push_back(std::abs(variance.Share(one)));
   return std::min(10.0, DeviationOf(absolute));
 }
 
@@ -233,16 +238,13 @@ GeometricConfig FitBoxNoise(const std::vector<BoxErrorSample>& samples) {
   if (x.size() < kMinSamples) {
     throw std::invalid_argument("a noise model needs 50 targets that were found");
   }
-  const std::vector<Pair> centres = Joined(x, y);
-  const Variance variance = CentreVariance(centres);
-  const double deviation = DifferenceDeviation(centres, variance);
+  const Variance variance = VarianceOf(Split(Joined(x, y)));
   GeometricConfig fitted;
   fitted.sigma_px = std::sqrt(variance.constant);
   fitted.sigma_relative = std::sqrt(variance.slope);
   fitted.size_factor =
       SizeFactor(Joined(PairsOf(samples, &One::w, 0), PairsOf(samples, &One::h, 1)), variance);
-  fitted.correlation = std::clamp(1 - deviation * deviation / 2, -0.99, 0.99);
-  FitGross(x, y, variance, deviation, &fitted);
+  FitPairs(x, y, variance, &fitted);
   FitMisses(samples, &fitted);
   return fitted;
 }

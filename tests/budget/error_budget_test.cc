@@ -165,11 +165,24 @@ TEST(ErrorBudget, HalvesAgreeForInterpolatedLabels) {
   ExpectHalvesAgree(rows, scenario, plan);
 }
 
+// 285 px wide at 10 m, 71 px at 40 m: 1 - 0.1 (1 + (width / 150 px)²) = 0.54 and 0.88 in common.
+TEST(ErrorBudget, HalvesAgreeWhereNearBoxesDifferMore) {
+  BudgetPlan plan = SomeFlights();
+  plan.distances_m = {10, 40};
+  const Scenario scenario =
+      Preset("ideal", {"geometric={sigma_px: 0.2, sigma_relative: 0.001, correlation: 0.9, "
+                       "correlation_width_px: 150}"});
+  const std::vector<BudgetRow> rows = Halves(scenario, plan);
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(ExpectHalvesAgree(rows, scenario, plan), 2);
+}
+
 // InOrder() leaves nothing on, and the sources together make all of the scenario again.
 TEST(ErrorBudget, SourcesAreAllThatIsSimulated) {
   BudgetPlan plan;
   plan.n_flights = plan.n_instants = 3;
-  const Scenario scenario = Everything({"geometric.sigma_px=1"});
+  const Scenario scenario =
+      Everything({"geometric.sigma_px=1", "geometric.correlation_width_px=100"});
   Scenario again = InOrder(scenario);
   for (const Effect& nothing : Simulate(again, plan).effects) {
     EXPECT_NEAR(nothing.bias_m, 0, 1e-9);  // Undistorted to 1e-9 px of 30.

@@ -98,6 +98,28 @@ TEST(DetectGeometric, HasTheNoiseOfItsConfiguration) {
   }
 }
 
+// A box of 100 px with 1 - correlation = 0.1 (1 + (100 / 50)²) in x; beyond ten times that none.
+TEST(DetectGeometric, SeesOtherSidesOfNearTargets) {
+  GeometricConfig noise = Noise(3, 0, 0.9, 0);
+  noise.correlation_width_px = 50;
+  EXPECT_DOUBLE_EQ(CorrelationOfX(noise, 0), 0.9);
+  EXPECT_DOUBLE_EQ(CorrelationOfX(noise, 100), 0.5);
+  EXPECT_DOUBLE_EQ(CorrelationOfX(noise, 200), 0);
+  noise.correlation = -0.9;
+  EXPECT_DOUBLE_EQ(CorrelationOfX(noise, 100), -0.5);
+  noise.correlation = 0.9;
+  constexpr int kTicks = 20'000;
+  double x2 = 0, y2 = 0;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const auto boxes =
+        DetectGeometric(Annotation({Target(1, 500, 480)}), noise, 9, tick, 1280, 720).boxes;
+    x2 += std::pow(boxes[0].left.x_px - boxes[0].right.x_px - 20, 2) / kTicks;
+    y2 += std::pow(boxes[0].left.y_px - boxes[0].right.y_px, 2) / kTicks;
+  }
+  EXPECT_NEAR(x2, 9 * 2 * 0.5, 0.04 * 9);  // 20,000 ticks know a variance to 1 %.
+  EXPECT_NEAR(y2, 9 * 2 * 0.1, 0.04 * 1.8);
+}
+
 TEST(DetectGeometric, MissesItsShare) {
   const annotation_t annotation = Annotation({Target(1, 500, 480)});
   int seen = 0;

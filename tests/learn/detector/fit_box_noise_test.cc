@@ -88,6 +88,16 @@ TEST(FitBoxNoise, WhatBothErrAlikeIsNotGross) {
   EXPECT_NEAR(fitted.gross_rate, 0, 0.002);
 }
 
+TEST(FitBoxNoise, FindsTheWidthWhereImagesDifferMore) {
+  GeometricConfig known = Known();
+  known.correlation = 0.97;
+  known.correlation_width_px = 80;
+  const GeometricConfig fitted = FitBoxNoise(Drawn(known, 20000));
+  EXPECT_NEAR(fitted.correlation, 0.97, 0.003);
+  EXPECT_NEAR(fitted.correlation_width_px, 80, 8) << "five deviations";
+  EXPECT_NEAR(fitted.gross_rate, 0, 0.003);
+}
+
 TEST(FitBoxNoise, FindsWhereNothingIsMissed) {
   GeometricConfig known = Known();
   known.miss_rate = known.miss_width_px = 0;
