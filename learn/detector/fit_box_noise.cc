@@ -111,29 +111,22 @@ std::vector<Errors> Differences(const std::vector<Pair>& pairs, const Variance& 
   return differences;
 }
 
-/// Gross is what one image errs and the other does not, in x or y: what both err alike moves no
-/// distance.
-void FitGross(const std::vector<Pair>& x, const std::vector<Pair>& y,
-              const std::vector<Errors>& differences_x, const std::vector<Errors>& differences_y,
+/// Gross is what one image errs in x and the other does not: what both err alike moves no
+/// distance, nor does y, which errs grossly in other pairs.
+void FitGross(const std::vector<Pair>& x, const std::vector<Errors>& differences,
               const Variance& of_differences, GeometricConfig* fitted) {
-  const auto relative = [](const Pair& pair) {
-    return pair.left.error / pair.left.size - pair.right.error / pair.right.size;
-  };
   int n_gross = 0;
   double squares = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (std::abs(of_differences.Share(differences_x[i])) <= kGross &&
-        std::abs(of_differences.Share(differences_y[i])) <= kGross) {
-      continue;
-    }
+    if (std::abs(of_differences.Share(differences[i])) <= kGross) continue;
     ++n_gross;
-    squares += std::pow(relative(x[i]), 2) + std::pow(relative(y[i]), 2);
+    squares += std::pow(x[i].left.error / x[i].left.size - x[i].right.error / x[i].right.size, 2);
   }
   // Either of the two images may be the one, or both.
   const auto n = static_cast<double>(x.size());
   fitted->gross_rate = 1 - std::sqrt(1 - n_gross / n);
   const double n_images = 2 * n * fitted->gross_rate;
-  if (n_gross > 0) fitted->gross_sigma = std::min(10.0, std::sqrt(squares / (2 * n_images)));
+  if (n_gross > 0) fitted->gross_sigma = std::min(10.0, std::sqrt(squares / n_images));
 }
 
 /// How alike both images err, and how often they do not.
@@ -148,7 +141,7 @@ void FitPairs(const std::vector<Pair>& x, const std::vector<Pair>& y, const Vari
     const double own = 2 - 2 * fitted->correlation;
     fitted->correlation_width_px = std::min(1e4, std::sqrt(own / of_differences.slope));
   }
-  FitGross(x, y, differences_x, differences_y, of_differences, fitted);
+  FitGross(x, differences_x, of_differences, fitted);
 }
 
 double SizeFactor(const std::vector<Pair>& pairs, const Variance& variance) {

@@ -17,8 +17,8 @@ struct BoxErrorSample {
 /// The noise of `observe: geometric` that errs like the detector which made these samples. Centres
 /// by maximum likelihood of normal errors with deviation hypot(sigma_px, sigma_relative · size),
 /// reweighted without what is beyond 3.5 deviations; correlation and its width by left minus right,
-/// in the same way; what is beyond 3.5 deviations of that counts as gross, in one of both images;
-/// misses by maximum likelihood of MissProbability(). A bias is not part of the model.
+/// in the same way; what is beyond 3.5 deviations of that in x counts as gross, in one of both
+/// images; misses by maximum likelihood of MissProbability(). A bias is not part of the model.
 /// @throws std::invalid_argument of fewer than 50 samples with errors.
 GeometricConfig FitBoxNoise(const std::vector<BoxErrorSample>& samples);
 

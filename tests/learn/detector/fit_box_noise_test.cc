@@ -59,7 +59,7 @@ TEST(FitBoxNoise, FindsTheNoiseThatMadeTheErrors) {
   EXPECT_NEAR(MissProbability(fitted, 200), MissProbability(known, 200), 0.01);
 }
 
-// A gross error of 0.5 sizes is beyond 3.5 deviations in x or y in all but some 5 % of the boxes.
+// A gross error of 0.5 sizes is beyond 3.5 deviations in all but some 8 % of the boxes.
 TEST(FitBoxNoise, TellsGrossErrorsFromTheRest) {
   GeometricConfig known = Known();
   known.gross_rate = 0.08;
