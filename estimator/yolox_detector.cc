@@ -10,6 +10,7 @@
 
 #include "common/config/at_its_place.h"
 #include "estimator/box_alignment.h"
+#include "estimator/counterpart_search.h"
 #include "estimator/stereo_pairing.h"
 
 namespace windhover {
@@ -72,6 +73,19 @@ std::vector<stereo_box_t> BestFirst(std::vector<stereo_box_t> boxes) {
   return kept;
 }
 
+/// The best box of the first look in one image where no target is found, with a score of 0 if there
+/// is none.
+ScoredBox BestAlone(const std::vector<ScoredBox>& found, const std::vector<stereo_box_t>& targets,
+                    image_box_t stereo_box_t::*eye) {
+  for (const ScoredBox& box : found) {
+    const bool is_found = std::any_of(targets.begin(), targets.end(), [&](const auto& target) {
+      return OverlapOf(box.box, target.*eye) >= kMinOverlapAgain;
+    });
+    if (!is_found) return box;
+  }
+  return {};
+}
+
 std::filesystem::path FolderOf(const InputFile& card) {
   return std::filesystem::path(card.absolute).parent_path();
 }
@@ -101,36 +115,71 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
   return detector_.FindInWhole(images, refiner_ ? kWorthALook : min_score);
 }
 
+std::array<ScoredBox, 2> YoloxDetector::Look(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                                             const std::array<image_box_t, 2>& around,
+                                             const std::array<ScoredBox, 2>& found) {
+  const std::array<BoxNetwork::View, 2> views = {
+      {{left_rgb, CropWindow(around[0], refiner_margin_, refiner_->input())},
+       {right_rgb, CropWindow(around[1], refiner_margin_, refiner_->input())}}};
+  const auto seen = refiner_->Find(views, kMinScoreAgain);
+  return {Confirmed(found[0], seen[0]), Confirmed(found[1], seen[1])};
+}
+
 void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
                               ScoredBox* left, ScoredBox* right) {
   if (!refiner_) return;
-  const auto look = [&](const std::array<ScoredBox, 2>& found) -> std::array<ScoredBox, 2> {
+  const auto look = [&](const std::array<ScoredBox, 2>& found) {
     std::array<image_box_t, 2> around = {found[0].box, found[1].box};
     if (is_one_target) ShareSize(&around);
-    const std::array<BoxNetwork::View, 2> views = {
-        {{left_rgb, CropWindow(around[0], refiner_margin_, refiner_->input())},
-         {right_rgb, CropWindow(around[1], refiner_margin_, refiner_->input())}}};
-    const auto seen = refiner_->Find(views, kMinScoreAgain);
-    return {Confirmed(found[0], seen[0]), Confirmed(found[1], seen[1])};
+    return Look(left_rgb, right_rgb, around, found);
   };
   const std::array<ScoredBox, 2> once = look({*left, *right}), twice = look(once);
   *left = MeanOf(once[0], twice[0]);
   *right = MeanOf(once[1], twice[1]);
 }
 
+std::optional<stereo_box_t> YoloxDetector::Target(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                                                  ScoredBox left, ScoredBox right) {
+  LookAgain(left_rgb, right_rgb, /*is_one_target=*/true, &left, &right);
+  stereo_box_t box{};
+  box.left = left.box;
+  box.right = right.box;
+  box.score = std::sqrt(left.score * right.score);
+  if (box.score < min_score_) return {};
+  if (refiner_) AlignBoxes(left_rgb, right_rgb, &box);
+  return box;
+}
+
+std::vector<stereo_box_t> YoloxDetector::SearchCounterparts(const cv::Mat& left_rgb,
+                                                            const cv::Mat& right_rgb,
+                                                            const std::array<ScoredBox, 2>& alone) {
+  const auto [left, right] = Look(left_rgb, right_rgb, {alone[0].box, alone[1].box}, alone);
+  std::vector<stereo_box_t> boxes;
+  const auto add = [&](const ScoredBox& one, const ScoredBox& other) {
+    const auto target = Target(left_rgb, right_rgb, one, other);
+    if (target && ParallaxAgrees(*target, one.box.x_px - other.box.x_px)) boxes.push_back(*target);
+  };
+  if (left.score >= min_score_) {
+    add(left, {FindCounterpart(left_rgb, 0, left.box, right_rgb), left.score});
+  }
+  if (right.score >= min_score_) {
+    add({FindCounterpart(right_rgb, 1, right.box, left_rgb), right.score}, right);
+  }
+  return boxes;
+}
+
 std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) {
   const auto found = FirstLook(left_rgb, right_rgb, min_score_);
   std::vector<stereo_box_t> boxes;
   for (const auto& [i, k] : PairBoxes(found[0], found[1], left_rgb.size())) {
-    ScoredBox left = found[0][i], right = found[1][k];
-    LookAgain(left_rgb, right_rgb, /*is_one_target=*/true, &left, &right);
-    stereo_box_t box{};
-    box.left = left.box;
-    box.right = right.box;
-    box.score = std::sqrt(left.score * right.score);
-    if (box.score < min_score_) continue;
-    if (refiner_) AlignBoxes(left_rgb, right_rgb, &box);
-    boxes.push_back(box);
+    const auto target = Target(left_rgb, right_rgb, found[0][i], found[1][k]);
+    if (target) boxes.push_back(*target);
+  }
+  const std::array<ScoredBox, 2> alone = {BestAlone(found[0], boxes, &stereo_box_t::left),
+                                          BestAlone(found[1], boxes, &stereo_box_t::right)};
+  if (refiner_ && std::max(alone[0].score, alone[1].score) > 0) {
+    const auto more = SearchCounterparts(left_rgb, right_rgb, alone);
+    boxes.insert(boxes.end(), more.begin(), more.end());
   }
   return BestFirst(std::move(boxes));
 }

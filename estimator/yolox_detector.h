@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -18,7 +19,9 @@ namespace windhover {
 /// resolution, a square around each box, and says again whether there is one and where its box is;
 /// then once more around that, at one scale in both images. Boxes are the mean of these two looks,
 /// aligned with each other by their pixels (AlignBoxes), scores the geometric mean of the looks and
-/// of both images. What one image alone shows is no detection.
+/// of both images. The best box that the first finds in one image alone, if the second confirms it,
+/// is searched for in the other (FindCounterpart), and both are looked at in the same way. What one
+/// image alone shows is no detection.
 class YoloxDetector final : public Detector {
  public:
   /// @param folder of the card, where its weights are.
@@ -38,8 +41,15 @@ class YoloxDetector final : public Detector {
  private:
   std::vector<std::vector<ScoredBox>> FirstLook(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
                                                 double min_score);
+  std::array<ScoredBox, 2> Look(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                                const std::array<image_box_t, 2>& around,
+                                const std::array<ScoredBox, 2>& found);
   void LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
                  ScoredBox* left, ScoredBox* right);
+  std::optional<stereo_box_t> Target(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                                     ScoredBox left, ScoredBox right);
+  std::vector<stereo_box_t> SearchCounterparts(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                                               const std::array<ScoredBox, 2>& alone);
 
   double min_score_, refiner_margin_;
   BoxNetwork detector_;

@@ -126,6 +126,19 @@ TEST_F(YoloxDetectorTest, OneImageAloneIsNoDetection) {
   EXPECT_TRUE(Detect(empty, empty).empty());
 }
 
+// At 528 px the square lies across two cells of the first look, which sees it in the left image
+// alone; the second has cells of 15 px, of which it covers two.
+TEST_F(YoloxDetectorTest, SearchesWhatOneImageShows) {
+  for (const bool is_left : {true, false}) {
+    const double left = is_left ? 603 : 618, right = is_left ? 528 : 513;
+    const cv::Mat left_rgb = Image(left, 363, 34), right_rgb = Image(right, 363, 34);
+    EXPECT_TRUE(Detect(left_rgb, right_rgb, /*refines=*/false).empty());
+    const auto boxes = Detect(left_rgb, right_rgb);
+    ASSERT_EQ(boxes.size(), 1u) << is_left;
+    EXPECT_NEAR(boxes[0].left.x_px - boxes[0].right.x_px, left - right, 1) << is_left;
+  }
+}
+
 TEST_F(YoloxDetectorTest, OtherRowsAreAnotherTarget) {
   EXPECT_TRUE(Detect(Image(603, 363, 34), Image(513, 543, 34)).empty());
 }
