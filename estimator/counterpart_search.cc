@@ -1,6 +1,5 @@
 #include "estimator/counterpart_search.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
@@ -14,28 +13,12 @@ namespace {
 // A second look corrects what the search errs by.
 constexpr double kLongestSide_px = 32;
 
-int Count(double length_px, double scale) {
-  return std::max(1, static_cast<int>(std::lround(length_px / scale)));
-}
-
-/// What is to be found, box by box pixels of `scale`.
-InputWindow Template(const image_box_t& box) {
-  InputWindow window;
-  window.scale = std::max(1.0, std::max(box.w_px, box.h_px) / kLongestSide_px);
-  window.size = {Count(box.w_px, window.scale), Count(box.h_px, window.scale)};
-  window.left_px = box.x_px - window.scale * window.size.width / 2;
-  window.top_px = box.y_px - window.scale * window.size.height / 2;
-  return window;
-}
-
 /// Where it may be in the other image.
 InputWindow Strip(const InputWindow& sought, int eye, const image_box_t& box, cv::Size image) {
   const PairingLimits limits;
-  const double against_px = limits.against_parallax * image.width;
-  const double along_px = eye == 0 ? box.x_px : image.width - box.x_px;
-  const double rows_px = limits.rows_of_image * image.height;
-  const int against = Count(against_px, sought.scale), along = Count(along_px, sought.scale);
-  const int rows = Count(rows_px, sought.scale);
+  const int against = sought.Pixels(limits.against_parallax * image.width);
+  const int along = sought.Pixels(eye == 0 ? box.x_px : image.width - box.x_px);
+  const int rows = sought.Pixels(limits.rows_of_image * image.height);
   InputWindow window = sought;
   window.size += cv::Size(against + along, 2 * rows);
   window.left_px -= sought.scale * (eye == 0 ? along : against);
@@ -47,7 +30,7 @@ InputWindow Strip(const InputWindow& sought, int eye, const image_box_t& box, cv
 
 image_box_t FindCounterpart(const cv::Mat& rgb, int eye, const image_box_t& box,
                             const cv::Mat& other_rgb) {
-  const InputWindow sought = Template(box);
+  const InputWindow sought = ReducedWindow(box, kLongestSide_px);
   const InputWindow strip = Strip(sought, eye, box, rgb.size());
   cv::Mat likeness;
   cv::matchTemplate(SeenThrough(strip, other_rgb), SeenThrough(sought, rgb), likeness,

@@ -116,8 +116,10 @@ std::vector<std::vector<ScoredBox>> YoloxDetector::FirstLook(const cv::Mat& left
 }
 
 std::array<ScoredBox, 2> YoloxDetector::Look(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
-                                             const std::array<image_box_t, 2>& around,
+                                             bool is_one_target,
                                              const std::array<ScoredBox, 2>& found) {
+  std::array<image_box_t, 2> around = {found[0].box, found[1].box};
+  if (is_one_target) ShareSize(&around);
   const std::array<BoxNetwork::View, 2> views = {
       {{left_rgb, CropWindow(around[0], refiner_margin_, refiner_->input())},
        {right_rgb, CropWindow(around[1], refiner_margin_, refiner_->input())}}};
@@ -128,12 +130,8 @@ std::array<ScoredBox, 2> YoloxDetector::Look(const cv::Mat& left_rgb, const cv::
 void YoloxDetector::LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
                               ScoredBox* left, ScoredBox* right) {
   if (!refiner_) return;
-  const auto look = [&](const std::array<ScoredBox, 2>& found) {
-    std::array<image_box_t, 2> around = {found[0].box, found[1].box};
-    if (is_one_target) ShareSize(&around);
-    return Look(left_rgb, right_rgb, around, found);
-  };
-  const std::array<ScoredBox, 2> once = look({*left, *right}), twice = look(once);
+  const auto once = Look(left_rgb, right_rgb, is_one_target, {*left, *right});
+  const auto twice = Look(left_rgb, right_rgb, is_one_target, once);
   *left = MeanOf(once[0], twice[0]);
   *right = MeanOf(once[1], twice[1]);
 }
@@ -150,22 +148,19 @@ std::optional<stereo_box_t> YoloxDetector::Target(const cv::Mat& left_rgb, const
   return box;
 }
 
-std::vector<stereo_box_t> YoloxDetector::SearchCounterparts(const cv::Mat& left_rgb,
-                                                            const cv::Mat& right_rgb,
-                                                            const std::array<ScoredBox, 2>& alone) {
-  const auto [left, right] = Look(left_rgb, right_rgb, {alone[0].box, alone[1].box}, alone);
-  std::vector<stereo_box_t> boxes;
-  const auto add = [&](const ScoredBox& one, const ScoredBox& other) {
-    const auto target = Target(left_rgb, right_rgb, one, other);
-    if (target && ParallaxAgrees(*target, one.box.x_px - other.box.x_px)) boxes.push_back(*target);
+void YoloxDetector::SearchCounterparts(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                                       const std::vector<std::vector<ScoredBox>>& found,
+                                       std::vector<stereo_box_t>* targets) {
+  const std::array<ScoredBox, 2> alone = {BestAlone(found[0], *targets, &stereo_box_t::left),
+                                          BestAlone(found[1], *targets, &stereo_box_t::right)};
+  if (alone[0].score == 0 && alone[1].score == 0) return;
+  const auto [left, right] = Look(left_rgb, right_rgb, /*is_one_target=*/false, alone);
+  const auto add = [&](const image_box_t& one, const image_box_t& other) {
+    const auto target = Target(left_rgb, right_rgb, {one}, {other});
+    if (target && ParallaxAgrees(*target, one.x_px - other.x_px)) targets->push_back(*target);
   };
-  if (left.score >= min_score_) {
-    add(left, {FindCounterpart(left_rgb, 0, left.box, right_rgb), left.score});
-  }
-  if (right.score >= min_score_) {
-    add({FindCounterpart(right_rgb, 1, right.box, left_rgb), right.score}, right);
-  }
-  return boxes;
+  if (left.score >= min_score_) add(left.box, FindCounterpart(left_rgb, 0, left.box, right_rgb));
+  if (right.score >= min_score_) add(FindCounterpart(right_rgb, 1, right.box, left_rgb), right.box);
 }
 
 std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const cv::Mat& right_rgb) {
@@ -175,12 +170,7 @@ std::vector<stereo_box_t> YoloxDetector::Detect(const cv::Mat& left_rgb, const c
     const auto target = Target(left_rgb, right_rgb, found[0][i], found[1][k]);
     if (target) boxes.push_back(*target);
   }
-  const std::array<ScoredBox, 2> alone = {BestAlone(found[0], boxes, &stereo_box_t::left),
-                                          BestAlone(found[1], boxes, &stereo_box_t::right)};
-  if (refiner_ && std::max(alone[0].score, alone[1].score) > 0) {
-    const auto more = SearchCounterparts(left_rgb, right_rgb, alone);
-    boxes.insert(boxes.end(), more.begin(), more.end());
-  }
+  if (refiner_) SearchCounterparts(left_rgb, right_rgb, found, &boxes);
   return BestFirst(std::move(boxes));
 }
 

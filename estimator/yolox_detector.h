@@ -42,14 +42,14 @@ class YoloxDetector final : public Detector {
   std::vector<std::vector<ScoredBox>> FirstLook(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
                                                 double min_score);
   std::array<ScoredBox, 2> Look(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
-                                const std::array<image_box_t, 2>& around,
-                                const std::array<ScoredBox, 2>& found);
+                                bool is_one_target, const std::array<ScoredBox, 2>& found);
   void LookAgain(const cv::Mat& left_rgb, const cv::Mat& right_rgb, bool is_one_target,
                  ScoredBox* left, ScoredBox* right);
   std::optional<stereo_box_t> Target(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
                                      ScoredBox left, ScoredBox right);
-  std::vector<stereo_box_t> SearchCounterparts(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
-                                               const std::array<ScoredBox, 2>& alone);
+  void SearchCounterparts(const cv::Mat& left_rgb, const cv::Mat& right_rgb,
+                          const std::vector<std::vector<ScoredBox>>& found,
+                          std::vector<stereo_box_t>* targets);
 
   double min_score_, refiner_margin_;
   BoxNetwork detector_;

@@ -115,20 +115,33 @@ image_box_t InputWindow::FromImage(const image_box_t& box) const {
   return in_input;
 }
 
+int InputWindow::Pixels(double length_px) const {
+  return std::max(1, static_cast<int>(std::lround(length_px / scale)));
+}
+
 InputWindow LetterboxWindow(cv::Size image, cv::Size input) {
   return {.scale = std::max(double{1} * image.width / input.width,
                             double{1} * image.height / input.height),
           .size = input};
 }
 
+InputWindow WindowAround(const image_box_t& box, double scale, cv::Size size) {
+  return {.left_px = box.x_px - scale * size.width / 2,
+          .top_px = box.y_px - scale * size.height / 2,
+          .scale = scale,
+          .size = size};
+}
+
+InputWindow ReducedWindow(const image_box_t& box, double longest_px) {
+  InputWindow reduced;
+  reduced.scale = std::max(1.0, std::max(box.w_px, box.h_px) / longest_px);
+  const cv::Size size(reduced.Pixels(box.w_px), reduced.Pixels(box.h_px));
+  return WindowAround(box, reduced.scale, size);
+}
+
 InputWindow CropWindow(const image_box_t& box, double margin, cv::Size input) {
   const double side = margin * std::max({box.w_px, box.h_px, 1.0});
-  InputWindow window;
-  window.scale = side / std::max(input.width, input.height);
-  window.left_px = box.x_px - window.scale * input.width / 2;
-  window.top_px = box.y_px - window.scale * input.height / 2;
-  window.size = input;
-  return window;
+  return WindowAround(box, side / std::max(input.width, input.height), input);
 }
 
 cv::Mat SeenThrough(const InputWindow& window, const cv::Mat& rgb) {

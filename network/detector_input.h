@@ -18,10 +18,19 @@ struct InputWindow {
   /// A box of the input, in px of the image, and the reverse.
   image_box_t ToImage(const image_box_t& box) const;
   image_box_t FromImage(const image_box_t& box) const;
+
+  /// Of the input, that `length_px` of the image takes, at least one.
+  int Pixels(double length_px) const;
 };
 
 /// The whole image, as large as fits the input, in its upper left corner (a letterbox).
 InputWindow LetterboxWindow(cv::Size image, cv::Size input);
+
+/// `size` px of the input with the middle of `box` in theirs.
+InputWindow WindowAround(const image_box_t& box, double scale, cv::Size size);
+
+/// `box` alone, pixel by pixel or, if its longer side has more than `longest_px`, reduced to those.
+InputWindow ReducedWindow(const image_box_t& box, double longest_px);
 
 /// A square around `box` whose side is `margin` times the box's longer one.
 InputWindow CropWindow(const image_box_t& box, double margin, cv::Size input);

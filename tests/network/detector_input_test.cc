@@ -53,6 +53,19 @@ TEST(DetectorInput, CropsASquareAroundABox) {
   EXPECT_NEAR(box.h_px, 32, 1e-12);
 }
 
+// 80 px as 32 are 2.5 px to one: 48 px become 19.2 of them. 30 px have no more than 32.
+TEST(DetectorInput, ReducesABoxToItsLongerSide) {
+  const InputWindow window = ReducedWindow(Box(100, 50, 80, 48), 32);
+  EXPECT_DOUBLE_EQ(window.scale, 2.5);
+  EXPECT_EQ(window.size, cv::Size(32, 19));
+  EXPECT_DOUBLE_EQ(window.left_px, 60);
+  EXPECT_DOUBLE_EQ(window.top_px, 50 - 2.5 * 9.5);
+  EXPECT_EQ(window.Pixels(7), 3);
+  EXPECT_EQ(window.Pixels(0.1), 1);
+  EXPECT_DOUBLE_EQ(ReducedWindow(Box(100, 50, 30, 0), 32).scale, 1);
+  EXPECT_EQ(ReducedWindow(Box(100, 50, 30, 0), 32).size, cv::Size(30, 1));
+}
+
 TEST(DetectorInput, MapsBoxesThereAndBack) {
   for (const double scale : {0.3, 1.0, 3.75}) {
     const InputWindow window{.left_px = -7.25, .top_px = 31, .scale = scale, .size = {128, 64}};
